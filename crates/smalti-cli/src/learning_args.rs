@@ -3,7 +3,7 @@
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 use smalti::camera::{LevelRule, TrainingSettings};
-use smalti::l3::{Alpha, KernelForm, PerceptualWeights, Solver, Textures, Training};
+use smalti::l3::{Alpha, KernelForm, PerceptualWeights, Quality, Solver, Textures, Training};
 use smalti_io::rendered::TrainingSet;
 
 use crate::args::{Choice, choice, word_of};
@@ -46,6 +46,9 @@ pub(crate) struct LearningOptions {
     /// Share of the neighbouring levels in each kernel, from 0 (none) to 1
     #[arg(long, value_name = "SHARE", default_value_t = Training::default().smoothing, value_parser = share, allow_negative_numbers = true)]
     pub(crate) smoothing: f64,
+    /// Work for each picture
+    #[arg(long, default_value = word_of(&QUALITIES, &Training::default().quality), value_parser = choice(&QUALITIES))]
+    pub(crate) quality: Quality,
     /// Also learn to correct the blur of the lens
     #[arg(long)]
     pub(crate) sharp: bool,
@@ -54,6 +57,11 @@ pub(crate) struct LearningOptions {
 const LEVEL_RULES: [Choice<LevelRule>; 2] = [
     ("logarithmic", "Equal ratios", LevelRule::Logarithmic),
     ("noise-steps", "Equal multiples of the noise", LevelRule::NoiseSteps),
+];
+
+const QUALITIES: [Choice<Quality>; 2] = [
+    ("fast", "One stage: a kernel on the patch around each pixel", Quality::Fast),
+    ("best", "A second stage refines the picture with its surroundings of up to 34 pixels", Quality::Best),
 ];
 
 const TEXTURES: [Choice<Textures>; 3] = [
@@ -130,6 +138,7 @@ impl LearningOptions {
             kernel: if self.linear { KernelForm::Linear } else { KernelForm::Affine },
             symmetry: !self.no_symmetry,
             smoothing: self.smoothing,
+            quality: self.quality,
             ..Training::default()
         }
     }

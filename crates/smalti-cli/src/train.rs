@@ -122,7 +122,7 @@ pub(crate) fn run(args: &Train, common: &Common) -> anyhow::Result<()> {
         saved: args.continue_from.iter().map(saved).collect::<anyhow::Result<_>>()?,
     };
     let Learned { statistics, pipeline, alignments } =
-        learn(&camera, &settings, &training, sources, &progress, memory::available_bytes())?;
+        learn(&camera, &settings, &training, &sources, &progress, memory::available_bytes())?;
     // All results are computed before the first file is written.
     for folder in files.into_iter().flatten().filter_map(|f| folder_to_make(f)) {
         write::begin_folder(folder, &[])?;

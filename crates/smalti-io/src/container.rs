@@ -156,12 +156,12 @@ pub(crate) struct Opened<'a> {
 }
 
 impl<'a> Opened<'a> {
-    /// Opens a file of a format and version. Nothing is copied but its header.
+    /// Opens a file of a format in one of these versions. Nothing is copied but its header.
     pub(crate) fn new(
         bytes: &'a [u8],
         path: &'a Path,
         expected: &'static str,
-        (format, version): (&'static str, &'static str),
+        (format, versions): (&'static str, &[&'static str]),
     ) -> Result<Self, IoError> {
         let unknown = || IoError::unknown(path, expected);
         let (length, rest) = bytes.split_first_chunk::<8>().ok_or_else(unknown)?;
@@ -187,9 +187,9 @@ impl<'a> Opened<'a> {
             return Err(opened.wrong("format", found, format!("'{format}'")));
         }
         let found = opened.text("version")?;
-        if found != version {
-            let found = found.to_owned();
-            return Err(IoError::Version { path: path.to_owned(), format, found, expected: version });
+        if !versions.contains(&found) {
+            let (found, expected) = (found.to_owned(), versions.join(" or "));
+            return Err(IoError::Version { path: path.to_owned(), format, found, expected });
         }
         opened.check()?;
         Ok(opened)

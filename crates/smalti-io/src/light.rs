@@ -78,7 +78,7 @@ pub fn read(path: &Path) -> Result<LightStatistics, IoError> {
 /// # Errors
 /// As [`read`].
 pub fn from_bytes(bytes: &[u8], path: &Path) -> Result<LightStatistics, IoError> {
-    let opened = Opened::new(bytes, path, EXPECTED, FORMAT)?;
+    let opened = Opened::new(bytes, path, EXPECTED, (FORMAT.0, &[FORMAT.1]))?;
     let (start_nm, step_nm, samples): (f64, f64, usize) = opened.json("grid")?;
     let grid = WavelengthGrid::new(start_nm, step_nm, samples).at(path)?;
     let (shape, components) = opened.any::<f64>("components", 2)?;

@@ -125,7 +125,10 @@ pub(crate) fn gather_statistics(
     };
     let pair = |(i, (raw, picture)): (usize, (Bound<'_, PyRawImage>, Bound<'_, PyImage>))| {
         let (raw, picture) = (raw.get().raw.clone(), picture.get().image.clone());
-        let read = || Ok(RawAndPicture { raw, default_crop: None, picture });
+        let read = move || {
+            let (raw, picture) = (raw.clone(), picture.clone());
+            Ok(RawAndPicture { raw, default_crop: None, picture })
+        };
         TrainingPair { name: format!("pair {i}"), align, read: Box::new(read) }
     };
     let sources = TrainingSources::<Box<ExperimentError>> {
@@ -136,7 +139,7 @@ pub(crate) fn gather_statistics(
         saved: Vec::new(),
     };
     let Gathered { statistics, record, .. } = watched(py, progress.map(Told::Steps), |watch| {
-        gather(own, &settings, sources, watch, memory::available_bytes()).or_raise()
+        gather(own, &settings, &sources, watch, memory::available_bytes()).or_raise()
     })?;
     Ok((PyStatistics(statistics), PyTrainingRecord(record)))
 }

@@ -73,7 +73,7 @@ pub(crate) fn run(args: &DesignArgs, common: &Common) -> anyhow::Result<()> {
             };
             let (settings, training) = (args.learning.settings(task.search.seed), args.learning.training());
             let Learned { pipeline, .. } =
-                learn(&camera, &settings, &training, sources, &progress, memory::available_bytes())?;
+                learn(&camera, &settings, &training, &sources, &progress, memory::available_bytes())?;
             Some(pipeline)
         }
     };

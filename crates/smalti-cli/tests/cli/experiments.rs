@@ -125,7 +125,7 @@ fn train_learns_what_the_library_learns() {
         saved: Vec::new(),
     };
     let Learned { statistics, pipeline: own, .. } =
-        learn(&bayer, &settings, &Training::default(), sources, &Silent, None).unwrap();
+        learn(&bayer, &settings, &Training::default(), &sources, &Silent, None).unwrap();
     assert_eq!(learned.kernels(), own.kernels());
     assert_eq!(learned.provenance(), own.provenance());
     // Provenance is structured.

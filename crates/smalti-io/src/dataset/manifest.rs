@@ -164,7 +164,7 @@ impl Manifest {
             return Err(IoError::field(path, "format", at("format"), format!("{FORMAT:?}")).into());
         }
         if value.get("revision").and_then(Value::as_u64) != Some(REVISION) {
-            let (format, found, expected) = ("results", at("revision"), "2");
+            let (format, found, expected) = ("results", at("revision"), "2".into());
             return Err(IoError::Version { path: path.to_owned(), format, found, expected }.into());
         }
         let raw: Raw = serde_json::from_value(value).map_err(|e| decode(e.to_string()))?;

@@ -16,6 +16,7 @@
 mod axes;
 mod c_header;
 mod npz;
+mod refinement;
 mod statistics;
 mod table;
 

@@ -56,7 +56,7 @@ pub fn read_statistics(path: &Path) -> Result<Statistics, IoError> {
 
 /// As [`read_statistics`], from memory; `path` is only named in errors.
 pub fn statistics_from_bytes(bytes: &[u8], path: &Path) -> Result<Statistics, IoError> {
-    let opened = Opened::new(bytes, path, super::EXPECTED, (FORMAT, VERSION))?;
+    let opened = Opened::new(bytes, path, super::EXPECTED, (FORMAT, &[VERSION]))?;
     let axes = axes::read(&opened)?;
     let outputs: Vec<String> = opened.json("outputs")?;
     let levels = match opened.has("black_level") || opened.has("white_level") {

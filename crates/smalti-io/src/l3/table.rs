@@ -5,13 +5,14 @@ use std::path::Path;
 use serde_json::json;
 use smalti::l3::{Class, Kernels, Origin, Pipeline, PipelineParts};
 
-use super::axes;
+use super::{axes, refinement};
 use crate::container::{Content, Opened};
 use crate::error::At;
 use crate::{IoError, Limits, file};
 
 const FORMAT: &str = "smalti-l3-table";
-const VERSION: &str = "1";
+/// Version 2 may have a second stage; tables without one are still written as version 1, which earlier programs read.
+const VERSIONS: [&str; 2] = ["1", "2"];
 
 /// Writes a pipeline, to be read back bit for bit. Equal pipelines give equal files.
 ///
@@ -26,7 +27,7 @@ pub(super) fn content(pipeline: &Pipeline) -> Content {
     let axes = pipeline.axes();
     let mut content = Content::default();
     content.text("format", FORMAT);
-    content.text("version", VERSION);
+    content.text("version", VERSIONS[usize::from(pipeline.refinement().is_some())]);
     axes::put(&mut content, axes);
     content.text("channel_names", json!(pipeline.channel_names()));
     content.text("outputs", json!(pipeline.outputs()));
@@ -45,6 +46,9 @@ pub(super) fn content(pipeline: &Pipeline) -> Content {
     content.tensor("origin", &classes, pipeline.classes().iter().map(|c| c.origin as u8));
     content.tensor("saturations", &[classes[1]], pipeline.saturations().iter().copied());
     content.tensor("trained", &[classes[0], 2], pipeline.trained().iter().flatten().copied());
+    if let Some(second) = pipeline.refinement() {
+        refinement::put(&mut content, second);
+    }
     content
 }
 
@@ -59,7 +63,7 @@ pub fn read_table(path: &Path) -> Result<Pipeline, IoError> {
 
 /// As [`read_table`], from memory; `path` is only named in errors.
 pub fn table_from_bytes(bytes: &[u8], path: &Path) -> Result<Pipeline, IoError> {
-    let opened = Opened::new(bytes, path, super::EXPECTED, (FORMAT, VERSION))?;
+    let opened = Opened::new(bytes, path, super::EXPECTED, (FORMAT, &VERSIONS))?;
     let axes = axes::read(&opened)?;
     let outputs: Vec<String> = opened.json("outputs")?;
     let (_, saturations) = opened.any::<u32>("saturations", 1)?;
@@ -77,7 +81,7 @@ pub fn table_from_bytes(bytes: &[u8], path: &Path) -> Result<Pipeline, IoError> 
         })?;
         Ok(Class { count, origin })
     });
-    let white = opened.json("white")?;
+    let (white, second) = (opened.json("white")?, refinement::read(&opened)?);
     Pipeline::from_parts(PipelineParts {
         saturations,
         outputs,
@@ -90,6 +94,6 @@ pub fn table_from_bytes(bytes: &[u8], path: &Path) -> Result<Pipeline, IoError> 
         provenance: opened.text("provenance")?.to_owned(),
         axes,
     })
-    .map(|p| p.with_white(white))
+    .and_then(|p| p.with_white(white).with_refinement(second))
     .at(path)
 }

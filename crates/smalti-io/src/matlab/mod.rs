@@ -59,7 +59,7 @@ fn from_source(source: Shared<'static>, of: Reading<'_>) -> Result<Box<dyn Tiles
     // Files of level 4 begin with a small number, whose bytes include a zero; text does not.
     if start.len() >= 20 && start.iter().take(4).any(|&b| b == 0) {
         let (path, found, expected) =
-            (path.to_owned(), "4".into(), "5 or 7.3, which hold arrays of three axes,");
+            (path.to_owned(), "4".into(), "5 or 7.3, which hold arrays of three axes,".into());
         return Err(IoError::Version { path, format: FORMAT, found, expected });
     }
     Err(IoError::unknown(path, "a MAT-file of level 5 or version 7.3"))

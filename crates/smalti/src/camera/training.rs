@@ -6,7 +6,7 @@ use super::chart::LUMINANCE;
 use super::score::limit_brightness;
 use super::{Camera, CameraError};
 use crate::isp::IspError;
-use crate::l3::{Axes, L3Error, Levels, Pair, Statistics, Textures};
+use crate::l3::{Axes, L3Error, Learner, Levels, Pair, RefinementAxes, Statistics, Textures};
 use crate::numeric::Planes;
 use crate::optics::{OpticalImage, Optics, OpticsModel};
 use crate::scene::{self, Scene, Setting};
@@ -25,6 +25,8 @@ const EXPOSURE_RATIO: f64 = 2.5;
 const MIN_SEEN: f64 = 0.01;
 /// Highest cut between response levels, relative to saturation.
 const HIGHEST_CUT: f64 = 0.85;
+/// Levels of the second stage.
+const REFINEMENT_LEVELS: usize = 12;
 
 /// The output that a pipeline is trained for.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
@@ -140,16 +142,37 @@ impl Camera {
             }
             LevelRule::NoiseSteps => Levels::noise_steps(settings.levels, &noise, HIGHEST_CUT)?,
         };
+        // A channel that does not respond to the illuminant, such as infrared under LED light, gets levels within its noise.
+        let (white, brightest) = self.white_responses(light)?;
+        let white: Vec<f64> = white.iter().map(|w| w.max(1e-3 * brightest)).collect();
+        let axes = Axes::new(self.sensor.cfa.mosaic().clone(), settings.side, levels, noise)?;
+        Ok(axes.with_levels_by_position(&white)?.with_textures(settings.textures))
+    }
+
+    /// The class axes of the second stage of a pipeline, in units of the Y of a white diffuser under an illuminant (photons) that
+    /// just saturates its brightest channel.
+    ///
+    /// # Errors
+    /// When no exposure is found, or the camera does not respond to the illuminant.
+    pub fn refinement_axes(&self, light: &Spectrum) -> Result<RefinementAxes, CameraError> {
+        let noise = self.sensor.signal_noise(&self.nominal_exposure()?)?;
+        let ((white, brightest), cells) = (self.white_responses(light)?, self.sensor.cfa.mosaic().cells());
+        let mean = cells.iter().map(|&c| white[usize::from(c)] / brightest).sum::<f64>() / cells.len() as f64;
+        let dark = noise.constant + noise.row + noise.column;
+        let of_y = [(dark / (mean * mean)).max(1e-12), noise.per_signal / mean, noise.quadratic()];
+        let levels = Levels::logarithmic(REFINEMENT_LEVELS, of_y[0].sqrt() / 2.0, HIGHEST_CUT)?;
+        Ok(RefinementAxes::new(levels, of_y.map(|v| v as f32))?)
+    }
+
+    /// The responses of the channels to white under an illuminant (photons), and the largest of them.
+    fn white_responses(&self, light: &Spectrum) -> Result<(Vec<f64>, f64), CameraError> {
         let response = |s: &Spectrum| Ok::<f64, CameraError>(s.times(light)?.integral());
         let white = self.responsivities()?.iter().map(response).collect::<Result<Vec<_>, _>>()?;
         let brightest = white.iter().copied().fold(0.0, f64::max);
         if brightest <= 0.0 {
             return Err(IspError::NoResponse("the camera").into());
         }
-        // A channel that does not respond to the illuminant, such as infrared under LED light, gets levels within its noise.
-        let white: Vec<f64> = white.iter().map(|w| w.max(1e-3 * brightest)).collect();
-        let axes = Axes::new(self.sensor.cfa.mosaic().clone(), settings.side, levels, noise)?;
-        Ok(axes.with_levels_by_position(&white)?.with_textures(settings.textures))
+        Ok((white, brightest))
     }
 
     /// Empty statistics for [`Camera::train_on`].
@@ -184,19 +207,19 @@ impl Camera {
     /// When a stage fails.
     pub fn train_on(
         &self,
-        statistics: &mut Statistics,
+        learner: &mut dyn Learner,
         scene: &Scene,
         settings: &TrainingSettings,
         item: u64,
     ) -> Result<(), CameraError> {
         let image = self.optics.image(scene)?;
-        self.train_on_image(statistics, scene, &image, settings, item)
+        self.train_on_image(learner, scene, &image, settings, item)
     }
 
     /// [`Camera::train_on`] with the optical image of the scene on this camera.
     pub(crate) fn train_on_image(
         &self,
-        statistics: &mut Statistics,
+        learner: &mut dyn Learner,
         scene: &Scene,
         image: &OpticalImage,
         settings: &TrainingSettings,
@@ -207,14 +230,14 @@ impl Camera {
         let target = camera.training_target(scene, image, settings, &exposure)?;
         let rates = ElectronRates::new(&camera.sensor, image)?;
         let seen = SeenScene { rates: &rates, target: &target, light: scene.illuminant() };
-        camera.add_exposures(statistics, seen, &exposure, settings, item)
+        camera.add_exposures(learner, seen, &exposure, settings, item)
     }
 
     /// [`Camera::train_on`] with a scene and its optical image as if under another illuminant, which may differ from the relit
     /// scene by a common factor and by rounding. Neither is copied: the ratio of the lights multiplies the sensitivities instead.
     pub(crate) fn train_on_relit(
         &self,
-        statistics: &mut Statistics,
+        learner: &mut dyn Learner,
         (scene, image): (&Scene, &OpticalImage),
         illuminant: &Illuminant,
         settings: &TrainingSettings,
@@ -222,7 +245,7 @@ impl Camera {
     ) -> Result<(), CameraError> {
         if settings.sharp || settings.target_light.is_some() {
             // These targets have optical images of their own.
-            return self.train_on(statistics, &scene.clone().relit(illuminant)?, settings, item);
+            return self.train_on(learner, &scene.clone().relit(illuminant)?, settings, item);
         }
         let light = illuminant.photons(self.grid())?;
         let ratios = scene.ratios_to(&light)?;
@@ -253,13 +276,13 @@ impl Camera {
         let sensor = Sensor { quantum_efficiency, ..camera.sensor.clone() };
         let rates = ElectronRates::new(&sensor, image)?;
         let seen = SeenScene { rates: &rates, target: &target, light: &light };
-        camera.add_exposures(statistics, seen, &exposure, settings, item)
+        camera.add_exposures(learner, seen, &exposure, settings, item)
     }
 
     /// Adds a scene at every exposure. This camera has as many pixels as the scene covers.
     fn add_exposures(
         &self,
-        statistics: &mut Statistics,
+        learner: &mut dyn Learner,
         SeenScene { rates, target, light }: SeenScene<'_>,
         exposure: &Exposure,
         settings: &TrainingSettings,
@@ -268,7 +291,7 @@ impl Camera {
         let (base, bright) = self.bright_response(rates, exposure)?;
         let most = self.knowable_luminance(light)?;
         let exposures = if settings.exposures.is_empty() {
-            let dark = statistics.axes().noise().variance(0.0).sqrt().max(1e-4);
+            let dark = learner.axes().noise().variance(0.0).sqrt().max(1e-4);
             default_exposures(most, 2.0 * dark)
         } else {
             settings.exposures.clone()
@@ -279,7 +302,7 @@ impl Camera {
             let seed = settings.seed.wrapping_add((item << 16) + i as u64);
             let seen = self.sensor.capture((rates, factor), exposure, NoiseMode::All, seed)?;
             let target = bounded(scaled(target, factor)?, &settings.target, most)?;
-            statistics.add(&Pair { raw: &ideal, seen: Some(&seen), target: &target })?;
+            learner.add(&Pair { raw: &ideal, seen: Some(&seen), target: &target })?;
         }
         Ok(())
     }

@@ -7,14 +7,14 @@ use super::error::StageContext;
 use super::learning::{TrainingRecord, solve};
 use super::material::{TrainingMaterial, first_light};
 use super::progress::ensure_running;
-use super::training_statistics::{ensure_mosaic, fresh_statistics};
+use super::training_statistics::{ensure_mosaic, fresh_statistics, second_stage};
 use super::{ExperimentError, Resources};
 use crate::camera::stable_text::stable_text;
 use crate::camera::{
     Camera, CameraDescription, CameraError, StoredTrainingScenes, TRAINING_SET_REVISION, TrainingScene,
     TrainingSettings, training_reflectances, training_scenes,
 };
-use crate::l3::{self, Pipeline, Statistics, Training};
+use crate::l3::{self, Learner, Pipeline, Quality, Statistics, Training};
 use crate::optics::OpticalImage;
 use crate::scene::Scene;
 use crate::sensor::Channel;
@@ -87,46 +87,91 @@ pub fn learn_default(
 ) -> Result<Vec<Pipeline>, ExperimentError> {
     let mut gathered = Vec::with_capacity(trainings.len());
     for of in trainings {
-        let start = || -> Result<Gathering<'_>, ExperimentError> {
+        let start = || -> Result<Gathered<'_>, ExperimentError> {
             ensure_mosaic(of.camera, of.label)?;
             let light = first_light(std::slice::from_ref(of.light), of.camera)?;
             let key = of.key(settings, &light, resources.training_scenes)?;
-            let (statistics, is_new) = match resources.store.statistics(&key) {
+            let (learner, is_new) = match resources.store.statistics(&key) {
                 Some(stored) => (stored, false),
                 None => (fresh_statistics(of.camera, settings, &light, resources.memory_bytes)?, true),
             };
-            Ok(Gathering { of: *of, key, statistics, is_new })
+            Ok(Gathered { gathering: Gathering { of: *of, learner }, key, light, is_new })
         };
         gathered.push(start().map_err(|e| e.of_camera(of.label))?);
     }
-    let mut new: Vec<&mut Gathering<'_>> = gathered.iter_mut().filter(|g| g.is_new).collect();
-    add_default_set(&mut new, settings, resources)?;
-    new.iter().for_each(|g| resources.store.keep_statistics(&g.key, &g.statistics));
-    let solved = |Gathering { of, statistics, .. }: Gathering<'_>| {
-        let names = TrainingMaterial::DefaultSet(vec![of.light.clone()], resources.training_scenes).names();
+    let new = gathered.iter_mut().filter(|g| g.is_new).map(|g| &mut g.gathering);
+    add_default_set(new.collect(), settings, resources)?;
+    for g in gathered.iter().filter(|g| g.is_new) {
+        resources.store.keep_statistics(&g.key, &g.gathering.learner);
+    }
+    let mut solved = Vec::with_capacity(gathered.len());
+    for Gathered { gathering: Gathering { of, learner }, light, .. } in gathered {
+        let names =
+            TrainingMaterial::DefaultSet(std::slice::from_ref(of.light), resources.training_scenes).names();
         let record = TrainingRecord::new(of.camera, settings, names);
-        solve(&statistics, training, Some(&record)).map_err(|e| e.of_camera(of.label))
-    };
-    gathered.into_iter().map(solved).collect()
+        let pipeline = solve(&learner, training, Some(&record)).map_err(|e| e.of_camera(of.label))?;
+        solved.push(FirstStage { of, light, pipeline });
+    }
+    match training.quality {
+        Quality::Fast => Ok(solved.into_iter().map(|first| first.pipeline).collect()),
+        Quality::Best => refined(solved, settings, resources),
+    }
 }
 
-/// Statistics of a training.
-struct Gathering<'a> {
+/// A pipeline of one stage, with its training and the illuminant of that, photons.
+struct FirstStage<'a> {
     of: DefaultTraining<'a>,
+    light: Spectrum,
+    pipeline: Pipeline,
+}
+
+/// Learns the second stages of pipelines. Each scene is one step of progress.
+fn refined(
+    pipelines: Vec<FirstStage<'_>>,
+    settings: &TrainingSettings,
+    resources: Resources<'_>,
+) -> Result<Vec<Pipeline>, ExperimentError> {
+    let mut gathered = Vec::with_capacity(pipelines.len());
+    for FirstStage { of, light, pipeline } in &pipelines {
+        let learner = second_stage(of.camera, light, pipeline).map_err(|e| e.of_camera(of.label))?;
+        gathered.push(Gathering { of: *of, learner });
+    }
+    add_default_set(gathered.iter_mut().collect(), settings, resources)?;
+    let solved: Vec<_> = gathered.iter().map(|g| g.learner.statistics.solve()).collect();
+    let mut refined = Vec::with_capacity(pipelines.len());
+    for (FirstStage { of, pipeline, .. }, refinement) in pipelines.into_iter().zip(solved) {
+        let with_both = refinement.and_then(|refinement| pipeline.with_refinement(Some(refinement)));
+        refined.push(
+            with_both.in_context(|| "learning".into()).map_err(|e: ExperimentError| e.of_camera(of.label))?,
+        );
+    }
+    Ok(refined)
+}
+
+/// A training, and what it has learned so far.
+struct Gathering<'a, L> {
+    of: DefaultTraining<'a>,
+    learner: L,
+}
+
+/// The statistics of the first stage of a training.
+struct Gathered<'a> {
+    gathering: Gathering<'a, Statistics>,
     key: String,
-    statistics: Statistics,
+    /// The illuminant, photons.
+    light: Spectrum,
     /// Whether they are still to be gathered.
     is_new: bool,
 }
 
-/// Adds the default set to the statistics of all trainings.
-fn add_default_set(
-    trainings: &mut [&mut Gathering<'_>],
+/// Adds the default set to what all trainings learn.
+fn add_default_set<L: Learner>(
+    trainings: Vec<&mut Gathering<'_, L>>,
     settings: &TrainingSettings,
     resources: Resources<'_>,
 ) -> Result<(), ExperimentError> {
-    let mut groups: Vec<Vec<&mut Gathering<'_>>> = Vec::new();
-    for training in trainings.iter_mut() {
+    let mut groups: Vec<Vec<&mut Gathering<'_, L>>> = Vec::new();
+    for training in trainings {
         let shared =
             groups.iter_mut().find(|g| g.first().is_some_and(|f| f.of.shares_images_with(&training.of)));
         match shared {
@@ -161,7 +206,7 @@ fn add_default_set(
     Ok(())
 }
 
-impl Gathering<'_> {
+impl<L: Learner> Gathering<'_, L> {
     /// Adds a scene that was built and imaged under the light of the set's scene.
     fn add(
         &mut self,
@@ -170,9 +215,9 @@ impl Gathering<'_> {
     ) -> Result<(), CameraError> {
         let DefaultTraining { camera, light, .. } = self.of;
         if *light == scene.light {
-            return camera.train_on_image(&mut self.statistics, built, image, settings, item);
+            return camera.train_on_image(&mut self.learner, built, image, settings, item);
         }
-        camera.train_on_relit(&mut self.statistics, (built, image), light, settings, item)
+        camera.train_on_relit(&mut self.learner, (built, image), light, settings, item)
     }
 }
 
@@ -186,11 +231,11 @@ mod tests {
         camera: &'a Camera,
         light: &'a Illuminant,
         settings: &TrainingSettings,
-    ) -> Gathering<'a> {
+    ) -> Gathering<'a, Statistics> {
         let spectrum = light.photons(camera.grid()).unwrap();
         let statistics = camera.training_statistics(settings, &spectrum).unwrap();
         let of = DefaultTraining { camera, label: "a", light };
-        Gathering { of, key: String::new(), statistics, is_new: true }
+        Gathering { of, learner: statistics }
     }
 
     /// Statistics of a scene that is relit from another light are those of the scene built under the light, up to rounding: noise
@@ -209,7 +254,7 @@ mod tests {
             let image = camera.optics.image(&built).unwrap();
             let mut gathering = gathering(&camera, &Illuminant::A, &settings);
             gathering.add((&built, &image), (scene, &settings, 7)).unwrap();
-            gathering.statistics
+            gathering.learner
         };
         let (direct, relit) = (statistics(&a), statistics(&d65));
         assert_eq!(direct.count(), relit.count());

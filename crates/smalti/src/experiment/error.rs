@@ -83,6 +83,14 @@ pub enum ExperimentError {
         "the targets of pairs are their pictures: neither another target nor its illuminant can be stated"
     )]
     TargetOfPairs,
+    /// The second stage needs pictures to learn from.
+    #[error(
+        "quality best needs scenes or pairs to learn from; saved statistics are those of the first stage alone"
+    )]
+    NothingToRefineFrom,
+    /// Only pictures can be refined, not these outputs.
+    #[error("quality best refines pictures in X, Y, Z; the outputs are {0}; expected quality fast")]
+    NotRefined(String),
     /// A capture would not fit into memory.
     #[error(
         "`sensor.rows` × `sensor.cols`: a picture of {rows} × {cols} pixels needs {need_mib} MiB of memory; {available_mib} MiB are available"

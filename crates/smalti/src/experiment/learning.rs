@@ -6,12 +6,12 @@ use super::error::StageContext;
 use super::material::{NamedScene, TrainingMaterial, add_scenes, first_light};
 use super::pairs::{PairAlignment, RawAndPicture, add_pair};
 use super::progress::ensure_running;
-use super::training_statistics::{continue_statistics, fresh_statistics, pair_statistics};
+use super::training_statistics::{continue_statistics, fresh_statistics, pair_statistics, second_stage};
 use super::{ExperimentError, Progress};
 use crate::camera::stable_text::stable_text;
 use crate::camera::{Camera, CameraDescription, StoredTrainingScenes, TrainingSettings, TrainingTarget};
-use crate::l3::{Pipeline, Statistics, Training};
-use crate::spectrum::Illuminant;
+use crate::l3::{Learner, Pipeline, Quality, Statistics, Training};
+use crate::spectrum::{Illuminant, Spectrum};
 
 /// Camera, settings and sources of training statistics, for the provenance of a pipeline.
 #[derive(Debug, Clone)]
@@ -45,14 +45,14 @@ pub struct TrainingSources<'a, E> {
     pub saved: Vec<(String, Statistics)>,
 }
 
-/// A pair of a raw image and its target picture, which is read when its turn comes.
+/// A pair of a raw image and its target picture, which is read when its turn comes, once for each stage.
 pub struct TrainingPair<'a, E> {
     /// Its name in progress, messages and provenance.
     pub name: String,
     /// Whether to align the picture with the raw image; see [`PairAlignment`].
     pub align: bool,
     /// Reads the pair.
-    pub read: Box<dyn FnOnce() -> Result<RawAndPicture, E> + Send + 'a>,
+    pub read: Box<dyn Fn() -> Result<RawAndPicture, E> + Send + Sync + 'a>,
 }
 
 /// Gathered statistics.
@@ -77,6 +77,53 @@ pub struct Learned {
     pub alignments: Vec<PairAlignment>,
 }
 
+impl<E: From<ExperimentError>> TrainingSources<'_, E> {
+    /// The scenes, if there are any.
+    fn material(&self) -> Option<TrainingMaterial<'_>> {
+        match &self.scenes {
+            Some(scenes) => Some(TrainingMaterial::Scenes(scenes)),
+            None if self.pairs.is_empty() && self.saved.is_empty() => {
+                Some(TrainingMaterial::DefaultSet(&self.illuminants, self.stored_scenes))
+            }
+            None => None,
+        }
+    }
+
+    /// The illuminant (photons) under which levels are cut.
+    fn light(&self, camera: &Camera) -> Result<Spectrum, ExperimentError> {
+        match self.scenes.as_ref().and_then(|scenes| scenes.first()) {
+            Some(first) => Ok(first.scene.illuminant().clone()),
+            None => first_light(&self.illuminants, camera),
+        }
+    }
+
+    /// Steps of progress that each stage takes.
+    fn steps(&self) -> u64 {
+        (self.pairs.len() + self.material().as_ref().map_or(0, TrainingMaterial::len)) as u64
+    }
+
+    /// Adds all pairs and scenes to what is learned. Each is one step of progress.
+    fn add_to(
+        &self,
+        learner: &mut dyn Learner,
+        camera: &Camera,
+        settings: &TrainingSettings,
+        progress: &dyn Progress,
+    ) -> Result<Vec<PairAlignment>, E> {
+        let mut alignments = Vec::with_capacity(self.pairs.len());
+        for TrainingPair { name, align, read } in &self.pairs {
+            ensure_running(progress)?;
+            progress.begin(name);
+            alignments.push(add_pair(learner, camera, name, read()?, *align)?);
+            progress.done();
+        }
+        if let Some(material) = self.material() {
+            add_scenes(camera, &camera.description().name, settings, &material, learner, progress)?;
+        }
+        Ok(alignments)
+    }
+}
+
 /// Gathers the statistics of a camera from all sources. Each pair and each scene is one step of progress. Raw files contain noise and
 /// scenes do not, so that either can be given. `memory_bytes` is the memory limit, if there is one.
 ///
@@ -86,64 +133,69 @@ pub struct Learned {
 pub fn gather<E: From<ExperimentError>>(
     camera: &Camera,
     settings: &TrainingSettings,
-    sources: TrainingSources<'_, E>,
+    sources: &TrainingSources<'_, E>,
     progress: &dyn Progress,
     memory_bytes: Option<u64>,
 ) -> Result<Gathered, E> {
-    let TrainingSources { scenes, illuminants, stored_scenes, pairs, saved } = sources;
-    let first = scenes.as_ref().and_then(|scenes| scenes.first());
-    if !pairs.is_empty() && first.is_some() {
+    let TrainingSources { scenes, pairs, saved, .. } = sources;
+    if !pairs.is_empty() && scenes.as_ref().is_some_and(|scenes| !scenes.is_empty()) {
         return Err(ExperimentError::PairsAndScenes.into());
     }
     if !pairs.is_empty() && (settings.target != TrainingTarget::Xyz || settings.target_light.is_some()) {
         return Err(ExperimentError::TargetOfPairs.into());
     }
-    let light = match first {
-        Some(first) => first.scene.illuminant().clone(),
-        None => first_light(&illuminants, camera)?,
-    };
-    let material = match scenes {
-        Some(scenes) => Some(TrainingMaterial::Scenes(scenes)),
-        None if pairs.is_empty() && saved.is_empty() => {
-            Some(TrainingMaterial::DefaultSet(illuminants, stored_scenes))
-        }
-        None => None,
-    };
-    let label = &camera.description().name;
-    let mut statistics = fresh_statistics(camera, settings, &light, memory_bytes)?;
+    let material = sources.material();
+    let mut statistics = fresh_statistics(camera, settings, &sources.light(camera)?, memory_bytes)?;
     if !pairs.is_empty() {
         statistics = pair_statistics(&statistics)?;
     }
-    let mut names: Vec<String> = saved.iter().map(|(name, _)| format!("statistics {name}")).collect();
     if !saved.is_empty() {
         let adds_more = material.is_some() || !pairs.is_empty();
         statistics = continue_statistics(saved, &statistics, adds_more)?;
     }
-    progress.expect((pairs.len() + material.as_ref().map_or(0, TrainingMaterial::len)) as u64);
-    let mut alignments = Vec::with_capacity(pairs.len());
-    for TrainingPair { name, align, read } in pairs {
-        ensure_running(progress)?;
-        progress.begin(&name);
-        alignments.push(add_pair(&mut statistics, camera, &name, read()?, align, progress)?);
-        names.push(name);
-        progress.done();
+    progress.expect(sources.steps());
+    let alignments = sources.add_to(&mut statistics, camera, settings, progress)?;
+    for (pair, alignment) in pairs.iter().zip(&alignments) {
+        alignment.doubts().iter().for_each(|doubt| progress.note(&format!("{}: {doubt}", pair.name)));
     }
-    if let Some(material) = &material {
-        add_scenes(camera, label, settings, material, &mut statistics, progress)?;
-        names.extend(material.names());
-    }
+    let mut names: Vec<String> = saved.iter().map(|(name, _)| format!("statistics {name}")).collect();
+    names.extend(pairs.iter().map(|pair| pair.name.clone()));
+    names.extend(material.iter().flat_map(TrainingMaterial::names));
     Ok(Gathered { statistics, record: TrainingRecord::new(camera, settings, names), alignments })
 }
 
-/// Learns a pipeline: [`gather`], then [`solve`], which is one further step of progress.
+/// Learns the second stage of a pipeline from pairs and scenes, those that the first stage was learned from or others. Each is one step
+/// of progress. Saved statistics are those of a first stage and add nothing.
 ///
 /// # Errors
-/// As both of them.
+/// When the outputs of the pipeline are not X, Y, Z, there is neither pair nor scene, a source does not match, reading fails, or the work
+/// is stopped.
+pub fn refine<E: From<ExperimentError>>(
+    camera: &Camera,
+    settings: &TrainingSettings,
+    pipeline: Pipeline,
+    sources: &TrainingSources<'_, E>,
+    progress: &dyn Progress,
+) -> Result<Pipeline, E> {
+    if sources.steps() == 0 {
+        return Err(ExperimentError::NothingToRefineFrom.into());
+    }
+    progress.expect(sources.steps());
+    let mut stage = second_stage(camera, &sources.light(camera)?, &pipeline)?;
+    sources.add_to(&mut stage, camera, settings, progress)?;
+    let refinement = stage.statistics.solve().map_err(ExperimentError::from)?;
+    Ok(pipeline.with_refinement(Some(refinement)).map_err(ExperimentError::from)?)
+}
+
+/// Learns a pipeline: [`gather`], then [`solve`], which is one further step of progress, then [`refine`] for best quality.
+///
+/// # Errors
+/// As all of them.
 pub fn learn<E: From<ExperimentError>>(
     camera: &Camera,
     settings: &TrainingSettings,
     training: &Training,
-    sources: TrainingSources<'_, E>,
+    sources: &TrainingSources<'_, E>,
     progress: &dyn Progress,
     memory_bytes: Option<u64>,
 ) -> Result<Learned, E> {
@@ -151,8 +203,11 @@ pub fn learn<E: From<ExperimentError>>(
     let Gathered { statistics, record, alignments } =
         gather(camera, settings, sources, progress, memory_bytes)?;
     progress.begin("solving");
-    let pipeline = solve(&statistics, training, Some(&record))?;
+    let mut pipeline = solve(&statistics, training, Some(&record))?;
     progress.done();
+    if training.quality == Quality::Best {
+        pipeline = refine(camera, settings, pipeline, sources, progress)?;
+    }
     Ok(Learned { statistics, pipeline, alignments })
 }
 

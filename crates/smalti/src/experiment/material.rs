@@ -7,7 +7,7 @@ use crate::camera::{
     Camera, CameraError, DEFAULT_TRAINING_LIGHT, StoredTrainingScenes, TrainingScene, TrainingSettings,
     training_reflectances, training_scenes,
 };
-use crate::l3::Statistics;
+use crate::l3::Learner;
 use crate::scene::Scene;
 use crate::spectrum::{Illuminant, Spectrum};
 
@@ -45,9 +45,9 @@ impl NamedScene {
 /// The training scenes of a pipeline.
 pub(super) enum TrainingMaterial<'a> {
     /// The default set, with its scenes under these illuminants in turn, and those of its scenes that come from files.
-    DefaultSet(Vec<Illuminant>, &'a dyn StoredTrainingScenes),
+    DefaultSet(&'a [Illuminant], &'a dyn StoredTrainingScenes),
     /// Given scenes.
-    Scenes(Vec<NamedScene>),
+    Scenes(&'a [NamedScene]),
 }
 
 impl TrainingMaterial<'_> {
@@ -77,7 +77,7 @@ pub(super) fn first_light(lights: &[Illuminant], camera: &Camera) -> Result<Spec
     light.photons(camera.grid()).in_context(|| light.name())
 }
 
-/// Adds every scene to the statistics. Each scene is one step of progress, which names the camera by its label.
+/// Adds every scene to what is learned. Each scene is one step of progress, which names the camera by its label.
 ///
 /// The noise of a scene is keyed by its number in the default set, or by its name otherwise, and does not depend on the other
 /// scenes. Several scenes of one name have different noise.
@@ -89,14 +89,14 @@ pub(super) fn add_scenes(
     label: &str,
     settings: &TrainingSettings,
     material: &TrainingMaterial<'_>,
-    statistics: &mut Statistics,
+    learner: &mut dyn Learner,
     progress: &dyn Progress,
 ) -> Result<(), ExperimentError> {
     let mut learn = |item: u64, name: &str, scene: &dyn Fn() -> Result<Scene, CameraError>| {
         ensure_running(progress)?;
         let short = name.split('?').next().unwrap_or(name);
         progress.begin(&format!("training {label}: {short}"));
-        let added = scene().and_then(|scene| camera.train_on(statistics, &scene, settings, item));
+        let added = scene().and_then(|scene| camera.train_on(learner, &scene, settings, item));
         added.in_context(|| format!("scene {name}"))?;
         progress.done();
         Ok(())

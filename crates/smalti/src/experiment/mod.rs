@@ -47,7 +47,9 @@ pub use entrants::{Entrant, score_entrants};
 pub use error::ExperimentError;
 pub use exposure::{ComparedPictures, EqualExposure, ExposurePlan, ExposurePolicy, LimitingCamera};
 pub use labels::numbered;
-pub use learning::{Gathered, Learned, TrainingPair, TrainingRecord, TrainingSources, gather, learn, solve};
+pub use learning::{
+    Gathered, Learned, TrainingPair, TrainingRecord, TrainingSources, gather, learn, refine, solve,
+};
 pub use light_gain::{PairwiseLightGain, light_gain_between, light_gains_to_first};
 pub use light_statistics::{light_gatherer, light_statistics};
 pub use lights::{LitPipeline, PipelineSet, SceneLight, ensure_lights_suffice, scene_lights};

@@ -1,10 +1,10 @@
 //! Training pairs of a raw image and its target picture, with alignment.
 
+use super::ExperimentError;
 use super::error::StageContext;
-use super::{ExperimentError, Progress};
 use crate::camera::{Camera, CameraError};
 use crate::color::{ColorSpace, Image};
-use crate::l3::{GOOD_CORRELATION, GOOD_RESIDUAL_PX, Pair, Registration, Statistics};
+use crate::l3::{GOOD_CORRELATION, GOOD_RESIDUAL_PX, Learner, Pair, Registration};
 use crate::numeric::Planes;
 use crate::sensor::RawImage;
 
@@ -30,18 +30,38 @@ pub struct PairAlignment {
     pub cols: usize,
 }
 
-/// Adds a pair to the statistics. With `align`, the picture may be a crop of the raw image, shifted by fractions of a pixel or
+impl PairAlignment {
+    /// What is doubtful about the alignment, in words.
+    pub(super) fn doubts(&self) -> Vec<String> {
+        let Some(found) = &self.registration else { return Vec::new() };
+        let mut doubts = Vec::new();
+        if found.correlation < GOOD_CORRELATION {
+            let correlation = found.correlation;
+            doubts.push(format!(
+                "their correlation is only {correlation:.2}; check that both are of the same shot"
+            ));
+        }
+        if found.largest_residual_px() > GOOD_RESIDUAL_PX {
+            let px = found.largest_residual_px();
+            doubts.push(format!(
+                "quadrants are off by up to {px:.2} pixels; is the picture's distortion corrected?"
+            ));
+        }
+        doubts
+    }
+}
+
+/// Adds a pair to what is learned. With `align`, the picture may be a crop of the raw image, shifted by fractions of a pixel or
 /// scaled. Otherwise picture and raw image must match pixel by pixel. `name` is that of the pair in messages.
 ///
 /// # Errors
-/// When the picture cannot be aligned, or the pair does not match the statistics.
+/// When the picture cannot be aligned, or the pair does not match the others.
 pub(super) fn add_pair(
-    statistics: &mut Statistics,
+    learner: &mut dyn Learner,
     camera: &Camera,
     name: &str,
     pair: RawAndPicture,
     align: bool,
-    progress: &dyn Progress,
 ) -> Result<PairAlignment, ExperimentError> {
     let about = || name.to_owned();
     let names: Vec<String> = camera.sensor.cfa.channels().iter().map(|c| c.name.clone()).collect();
@@ -49,10 +69,7 @@ pub(super) fn add_pair(
     let target = picture.planes();
     let raw = pair.raw.with_channels(&names);
     if !align {
-        statistics
-            .add(&Pair { raw: &raw, seen: None, target })
-            .map_err(CameraError::from)
-            .in_context(about)?;
+        learner.add(&Pair { raw: &raw, seen: None, target }).map_err(CameraError::from).in_context(about)?;
         return Ok(PairAlignment { registration: None, rows: raw.rows(), cols: raw.cols() });
     }
     let refused = |source| ExperimentError::Registration { pair: about(), source };
@@ -60,20 +77,8 @@ pub(super) fn add_pair(
         .map_err(crate::l3::L3Error::from)?;
     let scales = scales(&raw, pair.default_crop, target);
     let found = Registration::best(&raw, &luminance, &scales).map_err(refused)?;
-    if found.correlation < GOOD_CORRELATION {
-        let correlation = found.correlation;
-        progress.note(&format!(
-            "{name}: their correlation is only {correlation:.2}; check that both are of the same shot"
-        ));
-    }
-    if found.largest_residual_px() > GOOD_RESIDUAL_PX {
-        let px = found.largest_residual_px();
-        progress.note(&format!(
-            "{name}: quadrants are off by up to {px:.2} pixels; is the picture's distortion corrected?"
-        ));
-    }
     let aligned = found.apply(&raw, target).map_err(refused)?;
-    statistics.add(&aligned.pair()).map_err(CameraError::from).in_context(about)?;
+    learner.add(&aligned.pair()).map_err(CameraError::from).in_context(about)?;
     let (rows, cols) = (aligned.raw.rows(), aligned.raw.cols());
     Ok(PairAlignment { registration: Some(found), rows, cols })
 }

@@ -4,7 +4,7 @@ use super::ExperimentError;
 use super::error::{StageContext, ensure_memory};
 use crate::camera::{Camera, TrainingSettings};
 use crate::color::SRGB_WHITE;
-use crate::l3::{self, Axes, Statistics};
+use crate::l3::{self, Axes, Pipeline, RefinementStatistics, SecondStage, Statistics};
 use crate::sensor::ColorArchitecture;
 use crate::spectrum::Spectrum;
 
@@ -37,6 +37,22 @@ pub(super) fn fresh_statistics(
     Ok(statistics)
 }
 
+/// Empty statistics of the second stage of a pipeline, which was learned under an illuminant (photons).
+///
+/// # Errors
+/// When the outputs of the pipeline are not X, Y, Z, or no exposure is found.
+pub(super) fn second_stage<'a>(
+    camera: &Camera,
+    light: &Spectrum,
+    pipeline: &'a Pipeline,
+) -> Result<SecondStage<'a>, ExperimentError> {
+    if pipeline.outputs() != ["X", "Y", "Z"] {
+        return Err(ExperimentError::NotRefined(pipeline.outputs().join(", ")));
+    }
+    let axes = camera.refinement_axes(light).in_context(|| "learning".into())?;
+    Ok(SecondStage { pipeline, statistics: RefinementStatistics::new(axes) })
+}
+
 /// Empty statistics for pairs of raw files and pictures: the raw images are noisy, and the pictures have the white of sRGB.
 /// Classes and targets are those of `fresh`.
 ///
@@ -53,12 +69,12 @@ pub(super) fn pair_statistics(fresh: &Statistics) -> Result<Statistics, Experime
 /// # Errors
 /// [`ExperimentError::Statistics`] when statistics do not match; [`ExperimentError::NoScene`] without statistics.
 pub(super) fn continue_statistics(
-    saved: Vec<(String, Statistics)>,
+    saved: &[(String, Statistics)],
     fresh: &Statistics,
     add_more: bool,
 ) -> Result<Statistics, ExperimentError> {
-    let mut saved = saved.into_iter();
-    let (name, mut statistics) = saved.next().ok_or(ExperimentError::NoScene)?;
+    let ((name, first), others) = saved.split_first().ok_or(ExperimentError::NoScene)?;
+    let mut statistics = first.clone();
     let refused = |reason: String| ExperimentError::Statistics { name: name.clone(), reason };
     let (its, own) = (statistics.axes(), fresh.axes());
     if its.mosaic() != own.mosaic() {
@@ -95,8 +111,8 @@ pub(super) fn continue_statistics(
         let what = || format!("{name}, gathered in another light or with other settings");
         statistics.merge(fresh).map_err(|e| refused_merge(what(), e))?;
     }
-    for (file, other) in saved {
-        statistics.merge(&other).map_err(|e| refused_merge(format!("{name} and {file}"), e))?;
+    for (file, other) in others {
+        statistics.merge(other).map_err(|e| refused_merge(format!("{name} and {file}"), e))?;
     }
     Ok(statistics)
 }

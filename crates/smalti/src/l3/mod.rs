@@ -7,7 +7,8 @@
 //!
 //! 1. [`Statistics`] accumulate moments of patch and target per class, in one pass and in constant memory;
 //! 2. [`Training`] solves them for the kernels, with the noise of the sensor added analytically;
-//! 3. [`Pipeline`], the learned table, renders raw images ([`crate::isp::Isp`]).
+//! 3. [`Pipeline`], the learned table, renders raw images ([`crate::isp::Isp`]). With [`Quality::Best`] a second stage
+//!    ([`Refinement`]) refines the picture with what lies beyond the patch.
 //!
 //! [tian2014]: https://doi.org/10.1117/12.2042565
 //! [lansel2014]: https://purl.stanford.edu/cp866wz8098
@@ -20,12 +21,14 @@ mod error;
 mod fallback;
 mod gather;
 mod lattice;
+mod learner;
 mod levels;
 mod moments;
 mod orientation;
 mod pair;
 mod pipeline;
 mod pools;
+mod refine;
 mod registration;
 mod render;
 mod settings;
@@ -46,16 +49,18 @@ pub(crate) use solved::{
 pub use axes::{Axes, ClassKey, MAX_SIDE, Textures};
 pub use error::L3Error;
 pub use lattice::ContrastPairs;
+pub use learner::{Learner, SecondStage};
 pub use levels::Levels;
 pub use moments::Moments;
 pub use pair::Pair;
 pub use pipeline::{Class, Kernels, Origin, Pipeline, PipelineParts};
+pub use refine::{REFINEMENT_INPUTS, Refinement, RefinementAxes, RefinementClass, RefinementStatistics};
 pub use registration::{
     Aligned, GOOD_CORRELATION, GOOD_RESIDUAL_PX, MIN_CORRELATION, MIN_SIDE, RESOLVED_SHIFT_PX, Registration,
     RegistrationError,
 };
 pub use render::{FixedKernels, FixedRenderer, OutsideCounts, Rendered, Renderer, peak_ratio_db};
-pub use settings::{Alpha, KernelForm, PerceptualWeights, Solver, Training};
+pub use settings::{Alpha, KernelForm, PerceptualWeights, Quality, Solver, Training};
 pub use statistics::Statistics;
 pub use summary::{PositionSummary, Summary};
 pub use train::REVISION;

@@ -1,6 +1,6 @@
 //! The learned table: classes and their kernels.
 
-use super::{Axes, ClassKey, L3Error};
+use super::{Axes, ClassKey, L3Error, Quality, Refinement};
 
 /// Origin of the kernels of a class, in order of preference.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -75,6 +75,7 @@ pub struct Kernels {
 pub struct Pipeline {
     parts: PipelineParts,
     white: Option<[f64; 3]>,
+    refinement: Option<Refinement>,
 }
 
 /// The parts of a [`Pipeline`].
@@ -147,7 +148,7 @@ impl Pipeline {
         if kernels.weights.iter().chain(&kernels.offsets).any(|v| !v.is_finite()) {
             return wrong("a kernel holds a value that is not finite".into());
         }
-        Ok(Self { parts, white: None })
+        Ok(Self { parts, white: None, refinement: None })
     }
 
     /// The class axes.
@@ -197,6 +198,29 @@ impl Pipeline {
     #[must_use]
     pub fn with_white(self, white: Option<[f64; 3]>) -> Self {
         Self { white, ..self }
+    }
+
+    /// The pipeline with a second stage, or without one.
+    ///
+    /// # Errors
+    /// [`L3Error::NoPicture`] when its outputs are not X, Y, Z.
+    pub fn with_refinement(self, refinement: Option<Refinement>) -> Result<Self, L3Error> {
+        if refinement.is_some() && self.outputs() != ["X", "Y", "Z"] {
+            return Err(L3Error::NoPicture(self.outputs().join(", ")));
+        }
+        Ok(Self { refinement, ..self })
+    }
+
+    /// The second stage, if there is one.
+    #[must_use]
+    pub fn refinement(&self) -> Option<&Refinement> {
+        self.refinement.as_ref()
+    }
+
+    /// The quality that the pipeline was learned for.
+    #[must_use]
+    pub fn quality(&self) -> Quality {
+        if self.refinement.is_some() { Quality::Best } else { Quality::Fast }
     }
 
     /// White point of the output, X, Y, Z with Y = 1, where the outputs are X, Y, Z and it is known.

@@ -27,6 +27,34 @@ pub struct Training {
     /// Weight, 0 to 1, with which the learned kernels of the levels next to a class are mixed into its own, besides the number of their
     /// patches. 0: each level for itself.
     pub smoothing: f64,
+    /// How much work the pipeline may do for a picture.
+    pub quality: Quality,
+}
+
+/// How much work a pipeline may do for a picture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum Quality {
+    /// One stage: a kernel on the patch around each pixel.
+    #[default]
+    Fast,
+    /// A second stage refines the picture with structure and colour from up to 31 pixels around ([`super::Refinement`]).
+    Best,
+}
+
+impl Quality {
+    /// Both, in order.
+    pub const ALL: [Self; 2] = [Self::Fast, Self::Best];
+
+    /// Its name in options and reports.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Fast => "fast",
+            Self::Best => "best",
+        }
+    }
 }
 
 impl Default for Training {
@@ -38,6 +66,7 @@ impl Default for Training {
             least_patches: None,
             saturation_share: 0.003,
             smoothing: 0.0,
+            quality: Quality::default(),
         }
     }
 }

@@ -191,6 +191,7 @@ proptest! {
             least_patches: Some(least),
             saturation_share: share,
             smoothing,
+            ..Training::default()
         };
         let positions: std::collections::BTreeSet<u32> = s.classes().keys().map(|k| k.position).collect();
         let has = |p: u32| positions.contains(&p) || (symmetry && (p == 1 || p == 2) && positions.contains(&(3 - p)));

@@ -20,6 +20,7 @@ pub use fixed::FixedKernels;
 pub use index::OutsideCounts;
 
 use super::classify::Classifier;
+use super::refine::REACH;
 use super::statistics::{check_size, listed, phase_in};
 use super::{L3Error, Pipeline};
 use crate::color::{ColorSpace, Image};
@@ -61,7 +62,11 @@ impl Renderer<'_> {
     /// As for [`Renderer::render`], and when there is not one plane of the image's size per output.
     pub fn render_into(&self, raw: &RawImage, planes: &mut Planes) -> Result<OutsideCounts, L3Error> {
         let phase = check(self.0.pipeline, raw, planes)?;
-        Ok(self.0.render(raw, &(), phase, planes))
+        let outside = self.0.render(raw, &(), phase, planes);
+        if let Some(refinement) = self.0.pipeline.refinement() {
+            refinement.apply(planes)?;
+        }
+        Ok(outside)
     }
 }
 
@@ -110,7 +115,8 @@ impl Pipeline {
 
     /// Renders a raw image in single precision: one plane per output.
     ///
-    /// The value of a pixel is offset + Σ weight · sample over its patch, with the kernels of its class.
+    /// The value of a pixel is offset + Σ weight · sample over its patch, with the kernels of its class. A pipeline of best quality refines
+    /// this picture ([`super::Refinement`]).
     /// Samples are normalised (0 at the black level, 1 at the white level) and are reflected at the border,
     /// with the phase of the tile. Results have the same bits for any number of threads and any instruction
     /// set. A NaN sample makes every pixel NaN whose patch contains it.
@@ -158,7 +164,7 @@ impl Pipeline {
     /// determine its class.
     #[must_use]
     pub fn reach(&self) -> usize {
-        Classifier::new(self.axes()).margin()[0]
+        Classifier::new(self.axes()).margin()[0] + self.refinement().map_or(0, |_| REACH)
     }
 
     /// Prepares the pipeline for rendering. [`Pipeline::render_raw`] does so for every image.
@@ -183,6 +189,11 @@ impl Pipeline {
     /// When the white level is not above the black level, and [`L3Error::NoFixedPoint`] when the kernels are too
     /// large.
     pub fn fixed_kernels(&self, black_level: f64, white_level: f64) -> Result<FixedKernels, L3Error> {
+        if self.refinement().is_some() {
+            return Err(L3Error::NoFixedPoint(
+                "its second stage computes in single precision; expected a pipeline of quality fast",
+            ));
+        }
         FixedKernels::new(self, black_level, white_level)
     }
 }

@@ -1,0 +1,45 @@
+//! What learns from pairs.
+
+use super::{Axes, L3Error, Pair, Pipeline, RefinementStatistics, Statistics};
+
+/// Accumulates what a stage of a pipeline is learned from.
+pub trait Learner: Send {
+    /// The class axes of the first stage.
+    fn axes(&self) -> &Axes;
+
+    /// Adds a pair.
+    ///
+    /// # Errors
+    /// When sizes, mosaics or levels do not match, or a value is not finite.
+    fn add(&mut self, pair: &Pair<'_>) -> Result<(), L3Error>;
+}
+
+impl Learner for Statistics {
+    fn axes(&self) -> &Axes {
+        Self::axes(self)
+    }
+
+    fn add(&mut self, pair: &Pair<'_>) -> Result<(), L3Error> {
+        Self::add(self, pair)
+    }
+}
+
+/// Learns the second stage of a pipeline from pictures that the first stage renders of noisy raw images.
+#[derive(Debug, Clone)]
+pub struct SecondStage<'a> {
+    /// The first stage.
+    pub pipeline: &'a Pipeline,
+    /// What is learned so far.
+    pub statistics: RefinementStatistics,
+}
+
+impl Learner for SecondStage<'_> {
+    fn axes(&self) -> &Axes {
+        self.pipeline.axes()
+    }
+
+    fn add(&mut self, pair: &Pair<'_>) -> Result<(), L3Error> {
+        let picture = self.pipeline.render_raw(pair.seen.unwrap_or(pair.raw))?.planes;
+        self.statistics.add(&picture, pair.target)
+    }
+}

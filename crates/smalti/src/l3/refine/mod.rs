@@ -1,0 +1,28 @@
+//! The second stage of a pipeline of best quality: it refines the picture that the first stage renders.
+//!
+//! A patch of a raw image is small and noisy. Its class follows the noise, and no kernel can average over more pixels than the patch has.
+//! The second stage reads the picture of the first one, which has all colours at every pixel, so that neither classes nor kernels
+//! depend on the mosaic:
+//!
+//! 1. [`stages`] smooths the picture five times, over neighbours 1, 2, 4, 8 and 16 pixels away, without the neighbours whose colours
+//!    differ by more than the noise ([dammertz2010]). Edges stay, and flat areas become means over 63 × 63 pixels.
+//! 2. [`classes`] classifies every pixel by brightness and by the structure tensor of the first of these pictures, relative to the noise.
+//! 3. The output is linear in the pixel's neighbourhood in the picture and in the five smooth colours ([`inputs`]). The kernels of
+//!    each class minimise the squared error over the training pictures, in closed form from streamed moments ([`RefinementStatistics`]).
+//!
+//! [dammertz2010]: https://doi.org/10.2312/EGGH/HPG10/067-075
+
+mod axes;
+mod classes;
+mod inputs;
+mod refinement;
+mod stages;
+mod statistics;
+#[cfg(test)]
+mod tests;
+
+pub use axes::RefinementAxes;
+pub use refinement::{REFINEMENT_INPUTS, Refinement, RefinementClass};
+pub use statistics::RefinementStatistics;
+
+pub(super) use stages::REACH;

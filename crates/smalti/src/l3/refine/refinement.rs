@@ -1,0 +1,171 @@
+//! The learned second stage, and how it refines a picture.
+
+use rayon::prelude::*;
+
+use super::super::L3Error;
+use super::axes::RefinementAxes;
+use super::classes::{Scratch, classify};
+use super::inputs::{COUNT, Lines};
+use super::stages::Stages;
+use crate::isp::demosaic::{BAND_ROWS, bands};
+use crate::numeric::Planes;
+use crate::numeric::simd::{Kernel, dispatch};
+
+/// X, Y, Z.
+const OUTPUTS: usize = 3;
+/// Lanes in which products are summed.
+const LANES: usize = 16;
+/// Weights of a row of a kernel, padded with zeros to whole vectors.
+const PADDED: usize = COUNT.next_multiple_of(LANES);
+/// Number of inputs of the second stage: Y of the 5 × 5 pixels around the pixel, X and Z of 3 × 3, in row order, then X, Y, Z of the five
+/// smooth pictures, the finest first.
+pub const REFINEMENT_INPUTS: usize = COUNT;
+
+/// A class of the second stage.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RefinementClass {
+    /// Number of training pixels.
+    pub count: u64,
+    /// Whether its kernels were learned from its own pixels.
+    pub is_learned: bool,
+}
+
+/// The second stage of a pipeline: it refines pictures in X, Y, Z.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Refinement {
+    axes: RefinementAxes,
+    classes: Vec<RefinementClass>,
+    /// Class × output × input, each row padded to whole vectors.
+    weights: Vec<f32>,
+    /// Class × output.
+    offsets: Vec<f32>,
+}
+
+impl Refinement {
+    /// From its parts: `weights` in the order class, output (X, Y, Z), input ([`REFINEMENT_INPUTS`]), `offsets` in the order class, output.
+    ///
+    /// # Errors
+    /// When their numbers do not fit the axes, or a value is not finite.
+    pub fn new(
+        axes: RefinementAxes,
+        classes: Vec<RefinementClass>,
+        weights: Vec<f32>,
+        offsets: Vec<f32>,
+    ) -> Result<Self, L3Error> {
+        let count = axes.count();
+        let fits = classes.len() == count
+            && weights.len() == count * OUTPUTS * COUNT
+            && offsets.len() == count * OUTPUTS;
+        if !fits {
+            let reason = format!("the second stage needs {count} classes of {OUTPUTS} × {COUNT} weights");
+            return Err(L3Error::Table(reason));
+        }
+        if !weights.iter().chain(&offsets).all(|v| v.is_finite()) {
+            return Err(L3Error::Table("a kernel of the second stage is not finite".into()));
+        }
+        let mut padded = vec![0.0; count * OUTPUTS * PADDED];
+        for (row, weights) in padded.chunks_exact_mut(PADDED).zip(weights.chunks_exact(COUNT)) {
+            row[..COUNT].copy_from_slice(weights);
+        }
+        Ok(Self { axes, classes, weights: padded, offsets })
+    }
+
+    /// The class axes.
+    #[must_use]
+    pub fn axes(&self) -> &RefinementAxes {
+        &self.axes
+    }
+
+    /// The classes: levels (slowest), then structures.
+    #[must_use]
+    pub fn classes(&self) -> &[RefinementClass] {
+        &self.classes
+    }
+
+    /// The weights, in the order class, output, input.
+    pub fn weights(&self) -> impl Iterator<Item = f32> {
+        self.weights.chunks_exact(PADDED).flat_map(|row| row[..COUNT].iter().copied())
+    }
+
+    /// The offsets, in the order class, output.
+    #[must_use]
+    pub fn offsets(&self) -> &[f32] {
+        &self.offsets
+    }
+
+    /// Refines a picture of the first stage in place. Results have the same bits for any number of threads and any instruction set.
+    ///
+    /// # Errors
+    /// When it does not have the three planes X, Y, Z.
+    pub fn apply(&self, picture: &mut Planes) -> Result<(), L3Error> {
+        if picture.count() != OUTPUTS {
+            return Err(L3Error::NotAPicture(picture.count()));
+        }
+        let (rows, cols) = (picture.rows(), picture.cols());
+        if rows == 0 || cols == 0 {
+            return Ok(());
+        }
+        let stages = Stages::of(picture, self.axes.noise());
+        bands(picture.data_mut(), rows, cols).into_par_iter().enumerate().for_each_init(
+            <(Scratch, Vec<u32>)>::default,
+            |(scratch, classes), (i, mut band)| {
+                let rows = i * BAND_ROWS..(i * BAND_ROWS + BAND_ROWS).min(rows);
+                classify(&self.axes, &stages.0[1], rows.clone(), cols, scratch, classes);
+                for (at, row) in rows.enumerate() {
+                    let (classes, first) = (&classes[at * cols..(at + 1) * cols], at * cols);
+                    dispatch(Products { of: self, stages: &stages, row, classes, first, band: &mut band });
+                }
+            },
+        );
+        Ok(())
+    }
+}
+
+/// A row of outputs: offset + Σ weight · input.
+struct Products<'a, 'b> {
+    of: &'a Refinement,
+    stages: &'a Stages,
+    row: usize,
+    classes: &'a [u32],
+    /// Index of the row's first pixel in the band.
+    first: usize,
+    band: &'a mut [&'b mut [f32]],
+}
+
+impl Kernel for Products<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { of, stages, row, classes, first, band } = self;
+        let lines = Lines::of(stages, row);
+        let mut inputs = [0.0f32; PADDED + LANES];
+        let (kernels, offsets) =
+            (of.weights.as_chunks::<{ OUTPUTS * PADDED }>().0, of.offsets.as_chunks::<OUTPUTS>().0);
+        for (col, &class) in classes.iter().enumerate() {
+            lines.read(col, &mut inputs);
+            let (Some(kernel), Some(offset)) = (kernels.get(class as usize), offsets.get(class as usize))
+            else {
+                continue;
+            };
+            let vectors = inputs.as_chunks::<LANES>().0;
+            for (output, plane) in band.iter_mut().enumerate() {
+                let row = kernel[output * PADDED..(output + 1) * PADDED].as_chunks::<LANES>().0;
+                let mut sums = [0.0; LANES];
+                for (weights, values) in row.iter().zip(vectors) {
+                    for i in 0..LANES {
+                        sums[i] += weights[i] * values[i];
+                    }
+                }
+                let mut half = LANES / 2;
+                while half > 0 {
+                    for i in 0..half {
+                        sums[i] += sums[i + half];
+                    }
+                    half /= 2;
+                }
+                plane[first + col] = offset[output] + sums[0];
+            }
+        }
+    }
+}

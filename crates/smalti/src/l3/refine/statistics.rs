@@ -1,0 +1,196 @@
+//! Moments of inputs and targets for every class of the second stage.
+
+use std::collections::BTreeMap;
+
+use rayon::prelude::*;
+
+use super::super::solve::{Solution, regularised};
+use super::super::{L3Error, Moments};
+use super::axes::{RefinementAxes, STRUCTURES};
+use super::classes::{Scratch, classify};
+use super::inputs::{COUNT, Lines, OWN};
+use super::refinement::{Refinement, RefinementClass};
+use super::stages::Stages;
+use crate::numeric::Planes;
+use crate::numeric::products::{LANES, add_products};
+use crate::numeric::simd::{Kernel, dispatch};
+
+/// X, Y, Z.
+const OUTPUTS: usize = 3;
+/// Length of z = (1, inputs, targets), in whole registers.
+const STRIDE: usize = (1 + COUNT + OUTPUTS).next_multiple_of(LANES);
+/// Vectors that are summed at once: they stay in the L1 cache.
+const BATCH: usize = 32;
+/// Rows that are classified at once.
+const BAND_ROWS: usize = 64;
+/// Pixels that a class needs to have kernels of its own, for each input.
+const PIXELS_PER_INPUT: u64 = 10;
+/// Variance that is added to that of every input, relative to their mean, because inputs resemble each other.
+const LOAD: f64 = 1e-6;
+
+/// Moments of the inputs and targets of every class, gathered in one pass in constant memory.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RefinementStatistics {
+    axes: RefinementAxes,
+    classes: BTreeMap<u32, Moments>,
+}
+
+impl RefinementStatistics {
+    /// Statistics without a picture.
+    #[must_use]
+    pub fn new(axes: RefinementAxes) -> Self {
+        Self { axes, classes: BTreeMap::new() }
+    }
+
+    /// The class axes.
+    #[must_use]
+    pub fn axes(&self) -> &RefinementAxes {
+        &self.axes
+    }
+
+    /// Number of pixels.
+    #[must_use]
+    pub fn count(&self) -> u64 {
+        self.classes.values().map(Moments::count).sum()
+    }
+
+    /// Adds a picture of a first stage, X, Y, Z, and its target. Equal pictures in equal order give equal bits for any number of threads.
+    ///
+    /// # Errors
+    /// When one of them does not have three planes, sizes differ, or a value is not finite.
+    pub fn add(&mut self, picture: &Planes, target: &Planes) -> Result<(), L3Error> {
+        let size = [picture.rows(), picture.cols()];
+        for planes in [picture, target] {
+            if planes.count() != OUTPUTS {
+                return Err(L3Error::Outputs { expected: OUTPUTS, got: planes.count() });
+            }
+            if let Some(at) = planes.data().iter().position(|v| !v.is_finite()) {
+                let place = at % planes.plane_len();
+                let (row, col) = (place / planes.cols(), place % planes.cols());
+                let what = "a picture to refine".into();
+                return Err(L3Error::Value { what, row, col, value: planes.data()[at] });
+            }
+        }
+        let got = [target.rows(), target.cols()];
+        if size != got {
+            return Err(L3Error::PairSize { what: "the target", size, got });
+        }
+        let stages = Stages::of(picture, self.axes.noise());
+        let (mut scratch, mut classes) = (Scratch::default(), Vec::new());
+        for first in (0..size[0]).step_by(BAND_ROWS) {
+            let rows = first..(first + BAND_ROWS).min(size[0]);
+            classify(&self.axes, &stages.0[1], rows.clone(), size[1], &mut scratch, &mut classes);
+            let mut members: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+            for (pixel, class) in (0..).zip(&classes) {
+                members.entry(*class).or_default().push((rows.start * size[1]) as u32 + pixel);
+            }
+            for class in members.keys() {
+                self.classes.entry(*class).or_insert_with(|| Moments::new(COUNT, OUTPUTS));
+            }
+            // Both lists are in the order of classes.
+            let mut lists = members.into_iter().peekable();
+            let all = self.classes.iter_mut();
+            let found =
+                all.filter_map(|(class, moments)| Some((moments, lists.next_if(|(c, _)| c == class)?.1)));
+            let work: Vec<(&mut Moments, Vec<u32>)> = found.collect();
+            work.into_par_iter().for_each(|(moments, pixels)| {
+                let sums = dispatch(Sums { stages: &stages, target, pixels: &pixels });
+                moments.add_square(&sums, STRIDE);
+            });
+        }
+        Ok(())
+    }
+
+    /// Adds other statistics of the same axes.
+    ///
+    /// # Errors
+    /// [`L3Error::Mismatch`].
+    pub fn merge(&mut self, other: &Self) -> Result<(), L3Error> {
+        if self.axes != other.axes {
+            return Err(L3Error::Mismatch("levels or noise of the second stage"));
+        }
+        for (class, moments) in &other.classes {
+            self.classes.entry(*class).or_insert_with(|| Moments::new(COUNT, OUTPUTS)).merge(moments);
+        }
+        Ok(())
+    }
+
+    /// Solves the kernels of every class. Classes with too few pixels take those of the nearest level with the same structure, or else
+    /// of the nearest structure.
+    ///
+    /// # Errors
+    /// When there is no picture, or the moments of a class have no solution.
+    pub fn solve(&self) -> Result<Refinement, L3Error> {
+        let least = PIXELS_PER_INPUT * COUNT as u64;
+        let learned: BTreeMap<u32, Solution> = self
+            .classes
+            .par_iter()
+            .filter(|(_, moments)| moments.count() >= least)
+            .map(|(class, moments)| {
+                let solution = regularised(moments, COUNT, OUTPUTS, LOAD);
+                Ok((*class, solution.ok_or(L3Error::Singular(*class as usize))?))
+            })
+            .collect::<Result<_, L3Error>>()?;
+        let unchanged = identity();
+        let mut classes = Vec::with_capacity(self.axes.count());
+        let (mut weights, mut offsets) = (Vec::new(), Vec::new());
+        for class in 0..self.axes.count() as u32 {
+            let from = nearest(&learned, class);
+            let solution = from.and_then(|from| learned.get(&from)).unwrap_or(&unchanged);
+            weights.extend(solution.weights.iter().map(|&w| w as f32));
+            offsets.extend(solution.offsets.iter().map(|&o| o as f32));
+            let count = self.classes.get(&class).map_or(0, Moments::count);
+            classes.push(RefinementClass { count, is_learned: from == Some(class) });
+        }
+        Refinement::new(self.axes.clone(), classes, weights, offsets)
+    }
+}
+
+/// Kernels that leave the picture as it is.
+fn identity() -> Solution {
+    let mut weights = vec![0.0; OUTPUTS * COUNT];
+    OWN.iter().enumerate().for_each(|(output, own)| weights[output * COUNT + own] = 1.0);
+    Solution { weights, offsets: vec![0.0; OUTPUTS] }
+}
+
+/// The learned class that is most like a class: first by structure, then by level.
+fn nearest(learned: &BTreeMap<u32, Solution>, class: u32) -> Option<u32> {
+    let of = |class: u32| (class / STRUCTURES as u32, class % STRUCTURES as u32);
+    let (level, structure) = of(class);
+    let far = |&other: &u32| {
+        let (l, s) = of(other);
+        (s.abs_diff(structure), l.abs_diff(level), l)
+    };
+    learned.keys().copied().min_by_key(far)
+}
+
+/// Σ z zᵀ over pixels, upper triangle.
+struct Sums<'a> {
+    stages: &'a Stages,
+    target: &'a Planes,
+    pixels: &'a [u32],
+}
+
+impl Kernel for Sums<'_> {
+    type Output = Vec<f64>;
+
+    #[inline(always)]
+    fn run(self) -> Vec<f64> {
+        let cols = self.target.cols();
+        let mut sums = vec![0.0; STRIDE * STRIDE];
+        let mut batch = vec![0.0f64; BATCH * STRIDE];
+        let mut inputs = [0.0f32; STRIDE + 2 * LANES];
+        for pixels in self.pixels.chunks(BATCH) {
+            for (&pixel, z) in pixels.iter().zip(batch.chunks_exact_mut(STRIDE)) {
+                let (row, col) = (pixel as usize / cols, pixel as usize % cols);
+                Lines::of(self.stages, row).read(col, &mut inputs);
+                z[0] = 1.0;
+                z[1..=COUNT].iter_mut().zip(&inputs).for_each(|(z, &v)| *z = f64::from(v));
+                let targets = z[1 + COUNT..].iter_mut().zip(self.target.planes());
+                targets.for_each(|(z, plane)| *z = f64::from(plane[pixel as usize]));
+            }
+            add_products(&batch[..pixels.len() * STRIDE], STRIDE, &mut sums);
+        }
+        sums
+    }
+}

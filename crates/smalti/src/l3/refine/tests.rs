@@ -1,0 +1,190 @@
+use super::axes::STRUCTURES;
+use super::classes::{Scratch, classify};
+use super::stages::Stages;
+use super::*;
+use crate::l3::{L3Error, Levels};
+use crate::numeric::Planes;
+use crate::numeric::philox::Stream;
+use crate::numeric::simd::{Set, with_widest};
+
+/// Standard deviation of the noise of a sample at Y = 0.
+const SIGMA: f32 = 0.02;
+
+fn axes() -> RefinementAxes {
+    let levels = Levels::logarithmic(6, 0.02, 0.8).unwrap();
+    RefinementAxes::new(levels, [SIGMA * SIGMA, 1e-4, 0.0]).unwrap()
+}
+
+fn planes(rows: usize, cols: usize, value: impl Fn(usize, usize, usize) -> f32) -> Planes {
+    let at = |i: usize| value(i / (rows * cols), i / cols % rows, i % cols);
+    Planes::new(rows, cols, 3, (0..3 * rows * cols).map(at).collect()).unwrap()
+}
+
+/// Tiles of random colours, each on a square of `side` pixels.
+fn tiles(rows: usize, cols: usize, side: usize, seed: u64) -> Planes {
+    let colour = |p: usize, r: usize, c: usize| {
+        let cell = (r / side * 1000 + c / side) as u32;
+        let mut random = Stream::new(seed, cell, 3);
+        let light = 0.05 + 0.6 * random.uniform();
+        (light * (0.8 + 0.4 * Stream::new(seed, cell, 4 + p as u32).uniform())) as f32
+    };
+    planes(rows, cols, colour)
+}
+
+/// A picture with independent noise, nearly normal, of a standard deviation of [`SIGMA`].
+fn noisy(picture: &Planes, seed: u64) -> Planes {
+    let mut random = Stream::new(seed, 9, 9);
+    let mut noise = || ((0..12).map(|_| random.uniform()).sum::<f64>() - 6.0) as f32 * SIGMA;
+    let data = picture.data().iter().map(|v| v + noise()).collect();
+    Planes::new(picture.rows(), picture.cols(), 3, data).unwrap()
+}
+
+fn mean_square(a: &Planes, b: &Planes) -> f64 {
+    let squares: f64 = a.data().iter().zip(b.data()).map(|(a, b)| f64::from(a - b).powi(2)).sum();
+    squares / a.data().len() as f64
+}
+
+fn learned(seeds: std::ops::Range<u64>) -> RefinementStatistics {
+    let mut statistics = RefinementStatistics::new(axes());
+    for seed in seeds {
+        let target = tiles(160, 170, 20 + seed as usize, seed);
+        statistics.add(&noisy(&target, seed), &target).unwrap();
+    }
+    statistics
+}
+
+#[test]
+fn smoothing_removes_noise_and_keeps_edges() {
+    let edge = planes(96, 96, |_, _, c| if c < 48 { 0.1 } else { 0.6 });
+    let Stages(stages) = Stages::of(&noisy(&edge, 5), axes().noise());
+    let variance = |stage: usize| {
+        let mut sum = 0.0;
+        for r in 0..96 {
+            let line = &stages[stage].line(1, r)[super::stages::MARGIN..][..96];
+            // Columns 47 and 48 are on both sides of the edge.
+            sum += line
+                .iter()
+                .enumerate()
+                .map(|(c, v)| (v - if c < 48 { 0.1 } else { 0.6 }).powi(2))
+                .sum::<f32>();
+        }
+        f64::from(sum) / (96.0 * 96.0)
+    };
+    let before = f64::from(SIGMA * SIGMA);
+    assert!((variance(0) / before - 1.0).abs() < 0.05, "{}", variance(0) / before);
+    // A binomial filter of 3 × 3 leaves (3/8)² = 0.14 of the variance.
+    assert!((0.13..0.25).contains(&(variance(1) / before)), "{}", variance(1) / before);
+    assert!(variance(5) < 0.02 * before, "{}", variance(5) / before);
+}
+
+#[test]
+fn a_uniform_picture_is_one_class_and_stays_uniform() {
+    let refinement = learned(1..7).solve().unwrap();
+    for value in [0.0, 0.01, 0.1, 0.5, 1.2] {
+        let mut picture = planes(40, 50, |p, _, _| value * (0.9 + 0.1 * p as f32));
+        refinement.apply(&mut picture).unwrap();
+        for plane in picture.planes() {
+            assert!(plane.iter().all(|v| *v == plane[0]), "{value}");
+        }
+    }
+}
+
+#[test]
+fn edges_are_told_by_orientation_and_strength() {
+    let class = |picture: &Planes, at: [usize; 2]| {
+        let (mut scratch, mut classes) = (Scratch::default(), Vec::new());
+        let stages = Stages::of(picture, axes().noise());
+        classify(&axes(), &stages.0[1], 0..picture.rows(), picture.cols(), &mut scratch, &mut classes);
+        RefinementAxes::structure_name(classes[at[0] * picture.cols() + at[1]] as usize % STRUCTURES)
+    };
+    let step = |height: f32, side: fn(usize, usize) -> bool| {
+        planes(40, 40, move |_, r, c| if side(r, c) { 0.2 } else { 0.2 + height })
+    };
+    assert_eq!(class(&step(0.0, |_, c| c < 20), [20, 20]), "flat");
+    assert_eq!(class(&step(0.5, |_, c| c < 20), [20, 20]), "edge 0°, strength 3");
+    assert_eq!(class(&step(0.5, |r, _| r < 20), [20, 20]), "edge 90°, strength 3");
+    assert_eq!(class(&step(0.5, |r, c| r + c < 40), [20, 20]), "edge 45°, strength 3");
+    assert_eq!(class(&step(0.5, |r, c| r < c), [20, 20]), "edge 135°, strength 3");
+    assert_eq!(class(&step(0.5, |_, c| c < 20), [20, 10]), "flat");
+    // Fainter than the noise.
+    assert_eq!(class(&step(0.004, |_, c| c < 20), [20, 20]), "flat");
+}
+
+#[test]
+fn a_learned_stage_reduces_the_error_of_unseen_pictures() {
+    let refinement = learned(1..9).solve().unwrap();
+    let target = tiles(120, 130, 24, 100);
+    let picture = noisy(&target, 101);
+    let mut refined = picture.clone();
+    refinement.apply(&mut refined).unwrap();
+    let gain = mean_square(&picture, &target) / mean_square(&refined, &target);
+    assert!(gain > 10.0, "{gain}");
+}
+
+#[test]
+fn any_number_of_threads_and_any_instruction_set_give_the_same_bits() {
+    let statistics = learned(1..4);
+    let refinement = statistics.solve().unwrap();
+    let picture = noisy(&tiles(70, 83, 9, 3), 4);
+    let render = || {
+        let mut refined = picture.clone();
+        refinement.apply(&mut refined).unwrap();
+        refined
+    };
+    let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    let expected = render();
+    assert_eq!(one.install(render), expected);
+    assert_eq!(one.install(|| learned(1..4)), statistics);
+    for set in [Set::Plain, Set::Avx2] {
+        assert_eq!(with_widest(set, render), expected, "{set:?}");
+        assert_eq!(with_widest(set, || learned(1..4)), statistics, "{set:?}");
+    }
+}
+
+#[test]
+fn parts_merge_to_the_whole() {
+    let (mut parts, whole) = (learned(1..3), learned(1..5));
+    parts.merge(&learned(3..5)).unwrap();
+    assert_eq!(parts.count(), whole.count());
+    let (a, b) = (parts.solve().unwrap(), whole.solve().unwrap());
+    let far = a.weights().zip(b.weights()).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+    assert!(far < 1e-4, "{far}");
+    let other = RefinementAxes::new(Levels::logarithmic(5, 0.02, 0.8).unwrap(), axes().noise()).unwrap();
+    let error = parts.merge(&RefinementStatistics::new(other)).unwrap_err();
+    assert_eq!(error, L3Error::Mismatch("levels or noise of the second stage"));
+}
+
+#[test]
+fn without_enough_pixels_a_picture_stays_as_it_is() {
+    let mut statistics = RefinementStatistics::new(axes());
+    let target = tiles(12, 12, 4, 1);
+    statistics.add(&noisy(&target, 1), &target).unwrap();
+    let refinement = statistics.solve().unwrap();
+    assert!(refinement.classes().iter().all(|c| !c.is_learned));
+    let mut picture = noisy(&target, 2);
+    refinement.apply(&mut picture).unwrap();
+    assert_eq!(picture, noisy(&target, 2));
+}
+
+#[test]
+fn what_cannot_be_refined_is_refused() {
+    let mut statistics = RefinementStatistics::new(axes());
+    let good = planes(8, 9, |_, _, _| 0.5);
+    let two = Planes::zeros(8, 9, 2);
+    assert_eq!(statistics.add(&two, &good), Err(L3Error::Outputs { expected: 3, got: 2 }));
+    let size = [8, 9];
+    let smaller = planes(8, 8, |_, _, _| 0.5);
+    let differ = L3Error::PairSize { what: "the target", size, got: [8, 8] };
+    assert_eq!(statistics.add(&good, &smaller), Err(differ));
+    let bad = planes(8, 9, |p, r, c| if [p, r, c] == [1, 2, 3] { f32::INFINITY } else { 0.5 });
+    match statistics.add(&good, &bad) {
+        Err(L3Error::Value { row: 2, col: 3, .. }) => {}
+        other => panic!("{other:?}"),
+    }
+    assert_eq!(statistics.count(), 0);
+    assert_eq!(statistics.solve().unwrap().apply(&mut two.clone()), Err(L3Error::NotAPicture(2)));
+    for noise in [[0.0, 1e-4, 0.0], [1e-4, -1.0, 0.0], [1e-4, 0.0, f32::NAN]] {
+        assert!(RefinementAxes::new(axes().levels().clone(), noise).is_err(), "{noise:?}");
+    }
+    assert!(Refinement::new(axes(), Vec::new(), Vec::new(), Vec::new()).is_err());
+}
