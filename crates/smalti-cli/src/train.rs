@@ -7,7 +7,7 @@ use clap::Args;
 use serde_json::json;
 use smalti::camera::{Camera, TrainingTarget};
 use smalti::experiment::{Learned, NamedScene, TrainingSources, learn};
-use smalti::l3::{Origin, Pipeline, PositionSummary};
+use smalti::l3::{Origin, Pipeline, PositionSummary, Quality};
 use smalti_io::cameras::LoadedCamera;
 use smalti_io::{l3, memory, write};
 
@@ -99,6 +99,14 @@ pub(crate) fn run(args: &Train, common: &Common) -> anyhow::Result<()> {
         args.target_illuminant.as_deref().map(|n| resolve::illuminant(n, common)).transpose()?;
     settings.exposures.clone_from(&args.exposures);
     let training = args.learning.training();
+    if training.quality == Quality::Best && args.c_header.is_some() {
+        bail!(
+            "--c-header: the second stage of quality best has no fixed-point form; expected --quality fast"
+        );
+    }
+    if training.quality == Quality::Best && settings.target != TrainingTarget::Xyz {
+        bail!("--quality best refines pictures in X, Y, Z; expected no --target, or --quality fast");
+    }
     let lights = args
         .illuminants
         .iter()

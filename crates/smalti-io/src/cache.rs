@@ -12,7 +12,7 @@ use blake3::{Hash, Hasher};
 use rayon::prelude::*;
 use smalti::camera::CameraError;
 use smalti::experiment::{PictureFigures, Store};
-use smalti::l3::Statistics;
+use smalti::l3::{Pipeline, Statistics};
 use smalti::numeric::Planes;
 use smalti::optics::{OPTICAL_IMAGE_REVISION, OpticalImage};
 use smalti::spectrum::{SpectralCube, WavelengthGrid};
@@ -37,14 +37,18 @@ impl Store for Cache {
     }
 
     fn keep_statistics(&self, key: &str, statistics: &Statistics) {
-        let path = self.path(&statistics_key(key), STATISTICS_EXTENSION);
-        if let (Some(dir), Some(path)) = (&self.dir, path) {
-            // A cache that cannot be written costs time, not the result.
-            let _ = write::create_folder(dir).and_then(|()| {
-                self.evict(dir, &path, self.limit_bytes);
-                l3::write_statistics(&path, statistics)
-            });
-        }
+        self.keep(&statistics_key(key), STATISTICS_EXTENSION, |path| l3::write_statistics(path, statistics));
+    }
+
+    fn pipeline(&self, key: &str) -> Option<Pipeline> {
+        let path = self.path(&pipeline_key(key), PIPELINE_EXTENSION)?;
+        let pipeline = l3::read_table(&path).ok()?;
+        mark_used(&path);
+        Some(pipeline)
+    }
+
+    fn keep_pipeline(&self, key: &str, pipeline: &Pipeline) {
+        self.keep(&pipeline_key(key), PIPELINE_EXTENSION, |path| l3::write_table(path, pipeline));
     }
 
     fn scores(&self, key: &str) -> Option<PictureFigures> {
@@ -55,15 +59,14 @@ impl Store for Cache {
     }
 
     fn keep_scores(&self, key: &str, scores: &PictureFigures) {
-        let path = self.path(&scores_key(key), SCORES_EXTENSION);
-        if let (Some(dir), Some(path), Ok(text)) = (&self.dir, path, serde_json::to_vec(scores)) {
-            // A cache that cannot be written costs time, not the result.
-            let _ = write::create_folder(dir).and_then(|()| {
-                self.evict(dir, &path, self.limit_bytes);
-                write::bytes(&path, &text)
-            });
+        if let Ok(text) = serde_json::to_vec(scores) {
+            self.keep(&scores_key(key), SCORES_EXTENSION, |path| write::bytes(path, &text));
         }
     }
+}
+
+fn pipeline_key(key: &str) -> Hash {
+    hash(&[("pipeline", key.as_bytes())])
 }
 
 fn scores_key(key: &str) -> Hash {
@@ -83,6 +86,7 @@ const VERSION: u32 = 1;
 const HEADER_LEN: usize = 8 + 4 + 32 + 3 * 8 + 3 * 8 + 4 + 4;
 const EXTENSION: &str = "smalti-oi";
 const STATISTICS_EXTENSION: &str = "smalti-l3";
+const PIPELINE_EXTENSION: &str = "smalti-l3-best";
 const SCORES_EXTENSION: &str = "smalti-scores";
 
 /// The hash of labelled parts. The lengths of labels and parts are hashed too: `("a", "bc")` and `("ab", "c")` differ.
@@ -124,6 +128,15 @@ impl Cache {
 
     fn path(&self, key: &Hash, extension: &str) -> Option<PathBuf> {
         self.dir.as_ref().map(|d| d.join(format!("{key}.{extension}")))
+    }
+
+    /// Writes an entry. A cache that cannot be written costs time, not the result.
+    fn keep(&self, key: &Hash, extension: &str, write: impl FnOnce(&Path) -> Result<(), IoError>) {
+        let (Some(dir), Some(path)) = (&self.dir, self.path(key, extension)) else { return };
+        let _ = write::create_folder(dir).and_then(|()| {
+            self.evict(dir, &path, self.limit_bytes);
+            write(&path)
+        });
     }
 
     /// Returns the cached optical image, or computes and caches it. Entries of other versions are ignored.
@@ -235,7 +248,7 @@ fn mark_used(path: &Path) {
 /// Whether a file is of a cache, finished or not.
 fn is_entry(path: &Path) -> bool {
     let name = path.to_string_lossy();
-    [EXTENSION, STATISTICS_EXTENSION, SCORES_EXTENSION].iter().any(|e| name.contains(e))
+    [EXTENSION, STATISTICS_EXTENSION, PIPELINE_EXTENSION, SCORES_EXTENSION].iter().any(|e| name.contains(e))
 }
 
 /// Fills `data` with what follows the header, and returns its CRC-32. Most of the time goes into the pages the

@@ -4,12 +4,12 @@ use std::path::PathBuf;
 
 use pyo3::prelude::*;
 use pyo3::types::PyString;
-use smalti::camera::{LevelRule, TrainingSettings, TrainingTarget};
+use smalti::camera::{Camera, LevelRule, TrainingSettings, TrainingTarget};
 use smalti::experiment::{
     ExperimentError, Gathered, NamedScene, RawAndPicture, TrainingPair, TrainingRecord, TrainingSources,
-    gather, solve,
+    gather, refine, solve,
 };
-use smalti::l3::{Alpha, KernelForm, PerceptualWeights, Solver, Statistics, Textures, Training};
+use smalti::l3::{Alpha, KernelForm, PerceptualWeights, Quality, Solver, Statistics, Textures, Training};
 use smalti_io::rendered::TrainingSet;
 use smalti_io::{l3, memory};
 
@@ -84,6 +84,64 @@ impl PyStatistics {
 #[derive(Debug)]
 pub(crate) struct PyTrainingRecord(TrainingRecord);
 
+/// What is learned from.
+fn sources<'a>(
+    own: &Camera,
+    scenes: Option<Vec<Bound<'_, PyScene>>>,
+    pairs: Option<Vec<(Bound<'_, PyRawImage>, Bound<'_, PyImage>)>>,
+    align: bool,
+    illuminants: &[Bound<'_, PyAny>],
+    training_set: &str,
+) -> PyResult<TrainingSources<'a, Box<ExperimentError>>> {
+    let scene = |s: Bound<'_, PyScene>| {
+        let PyScene { scene, source, fov_stated, is_file } = s.get().clone();
+        NamedScene::for_camera(own, source, scene, is_file, fov_stated).or_raise()
+    };
+    let pair = |(i, (raw, picture)): (usize, (Bound<'_, PyRawImage>, Bound<'_, PyImage>))| {
+        let (raw, picture) = (raw.get().raw.clone(), picture.get().image.clone());
+        let read = move || {
+            let (raw, picture) = (raw.clone(), picture.clone());
+            Ok(RawAndPicture { raw, default_crop: None, picture })
+        };
+        TrainingPair { name: format!("pair {i}"), align, read: Box::new(read) }
+    };
+    Ok(TrainingSources {
+        scenes: scenes.map(|all| all.into_iter().map(scene).collect::<PyResult<_>>()).transpose()?,
+        illuminants: illuminants.iter().map(light).collect::<PyResult<_>>()?,
+        stored_scenes: one_of("training_set", training_set, &training_sets())?.stored(),
+        pairs: pairs.unwrap_or_default().into_iter().enumerate().map(pair).collect(),
+        saved: Vec::new(),
+    })
+}
+
+/// Learns the second stage of a pipeline; see `smalti.train`.
+#[pyfunction]
+#[pyo3(signature = (pipeline, camera, scenes, pairs, align, illuminants, target_illuminant, exposures, sharp, training_set, seed, progress))]
+#[allow(clippy::too_many_arguments)]
+pub(crate) fn refine_pipeline(
+    py: Python<'_>,
+    pipeline: &PyPipeline,
+    camera: &PyCamera,
+    scenes: Option<Vec<Bound<'_, PyScene>>>,
+    pairs: Option<Vec<(Bound<'_, PyRawImage>, Bound<'_, PyImage>)>>,
+    align: bool,
+    illuminants: Vec<Bound<'_, PyAny>>,
+    target_illuminant: Option<&Bound<'_, PyAny>>,
+    exposures: Vec<f64>,
+    sharp: bool,
+    training_set: &str,
+    seed: u64,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> PyResult<PyPipeline> {
+    let own = &camera.camera;
+    let target_light = target_illuminant.map(light).transpose()?;
+    let settings = TrainingSettings { target_light, sharp, exposures, seed, ..TrainingSettings::default() };
+    let sources = sources(own, scenes, pairs, align, &illuminants, training_set)?;
+    watched(py, progress.map(Told::Steps), |watch| {
+        Ok(PyPipeline(refine(own, &settings, pipeline.0.clone(), &sources, watch).or_raise()?))
+    })
+}
+
 /// Gathers statistics; see `smalti.gather`.
 #[pyfunction]
 #[pyo3(signature = (camera, scenes, pairs, align, illuminants, target, target_illuminant, exposures, patch, levels, level_rule, textures, sharp, training_set, seed, progress))]
@@ -119,25 +177,7 @@ pub(crate) fn gather_statistics(
         exposures,
         seed,
     };
-    let scene = |s: Bound<'_, PyScene>| {
-        let PyScene { scene, source, fov_stated, is_file } = s.get().clone();
-        NamedScene::for_camera(own, source, scene, is_file, fov_stated).or_raise()
-    };
-    let pair = |(i, (raw, picture)): (usize, (Bound<'_, PyRawImage>, Bound<'_, PyImage>))| {
-        let (raw, picture) = (raw.get().raw.clone(), picture.get().image.clone());
-        let read = move || {
-            let (raw, picture) = (raw.clone(), picture.clone());
-            Ok(RawAndPicture { raw, default_crop: None, picture })
-        };
-        TrainingPair { name: format!("pair {i}"), align, read: Box::new(read) }
-    };
-    let sources = TrainingSources::<Box<ExperimentError>> {
-        scenes: scenes.map(|all| all.into_iter().map(scene).collect::<PyResult<_>>()).transpose()?,
-        illuminants: illuminants.iter().map(light).collect::<PyResult<_>>()?,
-        stored_scenes: one_of("training_set", training_set, &training_sets())?.stored(),
-        pairs: pairs.unwrap_or_default().into_iter().enumerate().map(pair).collect(),
-        saved: Vec::new(),
-    };
+    let sources = sources(own, scenes, pairs, align, &illuminants, training_set)?;
     let Gathered { statistics, record, .. } = watched(py, progress.map(Told::Steps), |watch| {
         gather(own, &settings, &sources, watch, memory::available_bytes()).or_raise()
     })?;
@@ -146,7 +186,7 @@ pub(crate) fn gather_statistics(
 
 /// Solves statistics; see `smalti.solve`.
 #[pyfunction]
-#[pyo3(signature = (statistics, story, solver, alpha_flat, alpha_texture, linear, symmetry, smoothing))]
+#[pyo3(signature = (statistics, story, solver, alpha_flat, alpha_texture, linear, symmetry, smoothing, quality))]
 #[allow(clippy::too_many_arguments)]
 pub(crate) fn solve_statistics(
     py: Python<'_>,
@@ -158,6 +198,7 @@ pub(crate) fn solve_statistics(
     linear: bool,
     symmetry: bool,
     smoothing: f64,
+    quality: &str,
 ) -> PyResult<PyPipeline> {
     let default = PerceptualWeights::default();
     let alpha = |(luminance, chrominance)| Alpha { luminance, chrominance };
@@ -178,6 +219,7 @@ pub(crate) fn solve_statistics(
         kernel: if linear { KernelForm::Linear } else { KernelForm::Affine },
         symmetry,
         smoothing,
+        quality: one_of("quality", quality, &Quality::ALL.map(|q| (q.name(), q)))?,
         ..Training::default()
     };
     let story = story.map(|s| &s.0);

@@ -48,7 +48,7 @@ mod _smalti {
             test_scene_names,
         },
         image::PyImage,
-        l3::{PyStatistics, PyTrainingRecord, gather_statistics, solve_statistics},
+        l3::{PyStatistics, PyTrainingRecord, gather_statistics, refine_pipeline, solve_statistics},
         metrics::{PyEdge, aliasing, cpsnr_db, edge_sfr, luminance_noise_percent, metrics, visual_snr},
         photograph::PyPhotograph,
         pipeline::PyPipeline,

@@ -136,3 +136,23 @@ def test_a_stop_of_aperture_is_a_stop_of_light() -> None:
     assert all(m["gain"] == {"stops": 0.0} and m["own"] == m["target"] for m in same["metrics"])
     gain = {m["metric"]: m["gain"]["stops"] for m in smalti.light_gain(narrow, wide, scenes=scenes)["metrics"]}
     assert gain["visual_snr"] == pytest.approx(1, abs=0.1) and gain["cpsnr_db"] == pytest.approx(1, abs=0.2)
+
+
+def test_best_quality_refines_pictures() -> None:
+    camera = smalti.Camera("bayer", set=SMALL)
+    settings = {"exposures": [1.0, 0.1, 0.01], "levels": 4, "progress": False}
+    fast = smalti.train(camera, scenes(), **settings)  # type: ignore[arg-type]
+    told: list[int] = []
+    best = smalti.train(camera, scenes(), quality="best", **{**settings, "progress": told.append})  # type: ignore[arg-type]
+    # Each scene is a step of either stage.
+    assert max(told) == 3
+    np.testing.assert_array_equal(best.weights, fast.weights)
+    assert best.provenance["training"]["quality"] == "best"
+    photo = camera.photograph(smalti.Scene("macbeth", luminance_cd_m2=1.0))
+    reference = photo.reference()
+    errors = [smalti.score_picture(p.render(photo.raw), reference)["pixel_delta_e_2000_mean"] for p in (fast, best)]
+    assert errors[1] < 0.9 * errors[0]
+    with pytest.raises(smalti.SmaltiError, match="no fixed-point form"):
+        best.render_outputs(photo.raw, fixed_point=True)
+    with pytest.raises(ValueError, match="quality"):
+        smalti.train(camera, scenes(), quality="good", progress=False)  # type: ignore[arg-type]

@@ -274,3 +274,40 @@ fn pixels_beyond_what_was_trained_are_counted() {
         assert!(run.err.contains(&format!("{count} {words}")), "{count}: {}", run.err);
     }
 }
+
+/// A table of best quality renders a noisy picture with less error than one of fast quality, and has no fixed-point form.
+#[test]
+fn best_quality_refines_what_fast_quality_renders() {
+    let place = Place::new();
+    let flat = "--scene macbeth?patch=24 --set sensor.rows=96 --set sensor.cols=144";
+    for quality in ["fast", "best"] {
+        place.ok(&format!("train bayer {flat} --exposures 1,0.1,0.01 --quality {quality} -o {quality}.l3"));
+    }
+    assert!(table(&place, "fast.l3").refinement().is_none());
+    let best = table(&place, "best.l3");
+    assert!(best.refinement().unwrap().classes().iter().any(|c| c.is_learned));
+    assert!(best.provenance().contains(r#""quality":"best""#));
+    // The first stage is that of the fast table.
+    assert_eq!(best.kernels(), table(&place, "fast.l3").kernels());
+    place.ok(&format!("simulate bayer {flat} --luminance 2 --seed 9 -o s"));
+    for quality in ["fast", "best"] {
+        place.ok(&format!("render s/raw.dng --pipeline {quality}.l3 -o {quality}.npy -q"));
+    }
+    let (shape, fast) = array(&place, "fast.npy");
+    let (_, best) = array(&place, "best.npy");
+    // In the middle of the first patch, which is uniform, what differs is noise.
+    let spread = |xyz: &[f32]| {
+        let cols = shape[2];
+        let y: Vec<f64> =
+            (0..64).map(|i| f64::from(xyz[(shape[1] + 8 + i / 8) * cols + 8 + i % 8])).collect();
+        let mean = y.iter().sum::<f64>() / 64.0;
+        (y.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / 64.0).sqrt() / mean
+    };
+    assert!(spread(&best) < 0.5 * spread(&fast), "{} and {}", spread(&best), spread(&fast));
+    let run = place.run(&["render", "s/raw.dng", "--pipeline", "best.l3", "-o", "x.png", "--fixed"]);
+    assert!(
+        run.code == 1 && run.err.contains("no fixed-point form") && run.err.contains("quality fast"),
+        "{}",
+        run.err
+    );
+}

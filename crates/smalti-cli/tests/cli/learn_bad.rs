@@ -51,6 +51,9 @@ fn settings_that_cannot_be_learned_with() {
         ("--npz file/a.npz", 1, &["cannot write file/a.npz"]),
         ("--continue no.st", 1, &["cannot read no.st"]),
         ("--continue file", 1, &["file"]),
+        ("--quality good", 2, &["'good'", "--quality", "fast, best"]),
+        ("--quality best --c-header a.h", 1, &["--c-header", "--quality fast"]),
+        ("--quality best --target rgbw", 1, &["--quality best", "X, Y, Z"]),
     ] {
         refused(&place, &format!("{train} {more}"), code, expected);
     }

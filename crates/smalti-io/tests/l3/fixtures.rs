@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 
 use smalti::l3::{
-    Axes, Class, ClassKey, Kernels, Levels, Moments, Origin, Pipeline, PipelineParts, Statistics, Textures,
+    Axes, Class, ClassKey, Kernels, Levels, Moments, Origin, Pipeline, PipelineParts, REFINEMENT_INPUTS,
+    Refinement, RefinementAxes, RefinementClass, Statistics, Textures,
 };
 use smalti::numeric::philox::Stream;
 use smalti::sensor::{Mosaic, NoiseAbove, RawImage, RawSamples, Sampling, SignalNoise};
@@ -144,6 +145,19 @@ pub(crate) fn parts(r: &Recipe) -> PipelineParts {
         provenance: r#"{"scenes": ["dead-leaves", "caf\u00e9"], "λ": 0.1}"#.into(),
         axes,
     }
+}
+
+/// A second stage with random kernels that sum to about one.
+pub(crate) fn second_stage() -> Refinement {
+    let axes = RefinementAxes::new(Levels::logarithmic(3, 0.01, 0.8).unwrap(), [1e-4, 1e-4, 0.0]).unwrap();
+    let mut random = Stream::new(3, 1, 4);
+    let mut numbers =
+        |n: usize, size: f64| (0..n).map(|_| (random.uniform() * size) as f32).collect::<Vec<_>>();
+    let (weights, offsets) =
+        (numbers(axes.count() * 3 * REFINEMENT_INPUTS, 0.03), numbers(axes.count() * 3, 0.01));
+    let class = |i: usize| RefinementClass { count: 7 * i as u64, is_learned: i.is_multiple_of(3) };
+    let classes = (0..axes.count()).map(class).collect();
+    Refinement::new(axes, classes, weights, offsets).unwrap()
 }
 
 pub(crate) fn pipeline(r: &Recipe) -> Pipeline {

@@ -2,8 +2,9 @@
 
 use serde_json::Value;
 use smalti_io::l3::{write_npz, write_statistics, write_table};
+use smalti_io::npy;
 
-use super::fixtures::{pipeline, raw, recipes, statistics};
+use super::fixtures::{bayer, pipeline, raw, recipes, second_stage, statistics};
 use super::python::python;
 
 fn floats(v: &Value) -> Vec<f64> {
@@ -91,4 +92,25 @@ fn the_documented_formula_renders() {
             }
         }
     }
+}
+
+/// The refinement of the documentation, in Python and in double precision. Where rounding moves a pixel across a threshold, its class
+/// differs.
+#[test]
+fn the_documented_refinement_refines() {
+    let dir = tempfile::tempdir().unwrap();
+    let first = pipeline(&bayer());
+    let both = first.clone().with_refinement(Some(second_stage())).unwrap();
+    let (table, picture) = (dir.path().join("a.l3"), dir.path().join("xyz.npy"));
+    write_table(&table, &both).unwrap();
+    let (raw, _) = raw(&bayer(), 60, 71, [0, 0]);
+    let rendered = first.render_raw(&raw).unwrap().planes;
+    npy::write(&picture, &[3, 60, 71], rendered.data()).unwrap();
+    let Some(seen) = python("refine_l3.py", "safetensors, numpy", &[&table, &picture]) else { return };
+    let (documented, ours) = (floats(&seen[0]["outputs"]), both.render_raw(&raw).unwrap().planes);
+    assert_eq!(documented.len(), ours.data().len());
+    let far = documented.iter().zip(ours.data()).filter(|(a, b)| (*a - f64::from(**b)).abs() > 1e-5).count();
+    assert!(far * 500 < documented.len(), "{far} of {}", documented.len());
+    let moved = ours.data().iter().zip(rendered.data()).filter(|(a, b)| (*a - *b).abs() > 1e-3).count();
+    assert!(moved * 2 > documented.len(), "{moved}");
 }

@@ -111,7 +111,9 @@ def solve(
     smoothing: float = 0.0,
 ) -> Pipeline:
     """Solves a pipeline from statistics; the arguments are those of `train`."""
-    return _smalti.solve_statistics(statistics, None, solver, alpha_flat, alpha_texture, linear, symmetry, smoothing)
+    return _smalti.solve_statistics(
+        statistics, None, solver, alpha_flat, alpha_texture, linear, symmetry, smoothing, "fast"
+    )
 
 
 def train(
@@ -136,6 +138,7 @@ def train(
     linear: bool = False,
     symmetry: bool = True,
     smoothing: float = 0.0,
+    quality: Literal["fast", "best"] = "fast",
     seed: int = 1,
     progress: Progress = True,
 ) -> Pipeline:
@@ -163,6 +166,8 @@ def train(
         linear: learn kernels without an offset.
         symmetry: share data between positions that are equivalent by a symmetry of the mosaic.
         smoothing: share of the neighbouring levels in each kernel, from 0 (none) to 1.
+        quality: "fast", one stage, or "best", whose second stage refines the picture with what lies beyond the patch. The target of
+            "best" is "xyz".
         seed: seed of the noise with which patches are classified.
         progress: see `Progress`.
 
@@ -173,7 +178,18 @@ def train(
         camera, scenes, pairs, progress, align, list(illuminants), target, target_illuminant, list(exposures), patch, levels,
         level_rule, textures, sharp, training_set, seed,
     )  # fmt: skip
-    return _smalti.solve_statistics(statistics, story, solver, alpha_flat, alpha_texture, linear, symmetry, smoothing)
+    pipeline = _smalti.solve_statistics(
+        statistics, story, solver, alpha_flat, alpha_texture, linear, symmetry, smoothing, quality
+    )
+    if quality == "fast":
+        return pipeline
+    of_scenes = None if scenes is None else list(scenes)
+    of_pairs = None if pairs is None else list(pairs)
+    with _told(progress, f"refining {camera.name}", "scene") as told:
+        return _smalti.refine_pipeline(
+            pipeline, camera, of_scenes, of_pairs, align, list(illuminants), target_illuminant, list(exposures), sharp,
+            training_set, seed, told,
+        )  # fmt: skip
 
 
 class Comparison(list[dict[str, Any]]):

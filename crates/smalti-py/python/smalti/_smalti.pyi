@@ -475,6 +475,21 @@ def solve_statistics(
     linear: bool,
     symmetry: bool,
     smoothing: float,
+    quality: str,
+) -> Pipeline: ...
+def refine_pipeline(
+    pipeline: Pipeline,
+    camera: Camera,
+    scenes: list[Scene] | None,
+    pairs: list[tuple[RawImage, Image]] | None,
+    align: bool,
+    illuminants: list[_Light],
+    target_illuminant: _Light | None,
+    exposures: list[float],
+    sharp: bool,
+    training_set: str,
+    seed: int,
+    progress: _ToldOfSteps,
 ) -> Pipeline: ...
 def scenes_in_files(study: Study) -> bytes: ...
 @final

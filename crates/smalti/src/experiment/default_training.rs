@@ -105,12 +105,13 @@ pub fn learn_default(
         resources.store.keep_statistics(&g.key, &g.gathering.learner);
     }
     let mut solved = Vec::with_capacity(gathered.len());
-    for Gathered { gathering: Gathering { of, learner }, light, .. } in gathered {
+    for Gathered { gathering: Gathering { of, learner }, light, key, .. } in gathered {
         let names =
             TrainingMaterial::DefaultSet(std::slice::from_ref(of.light), resources.training_scenes).names();
         let record = TrainingRecord::new(of.camera, settings, names);
         let pipeline = solve(&learner, training, Some(&record)).map_err(|e| e.of_camera(of.label))?;
-        solved.push(FirstStage { of, light, pipeline });
+        let key = stable_text(&(l3::REFINEMENT_REVISION, key, training)).in_context(|| "learning".into())?;
+        solved.push(FirstStage { of, light, pipeline, key });
     }
     match training.quality {
         Quality::Fast => Ok(solved.into_iter().map(|first| first.pipeline).collect()),
@@ -118,11 +119,12 @@ pub fn learn_default(
     }
 }
 
-/// A pipeline of one stage, with its training and the illuminant of that, photons.
+/// A pipeline of one stage, with its training, the illuminant of that, photons, and the key of both stages.
 struct FirstStage<'a> {
     of: DefaultTraining<'a>,
     light: Spectrum,
     pipeline: Pipeline,
+    key: String,
 }
 
 /// Learns the second stages of pipelines. Each scene is one step of progress.
@@ -131,19 +133,30 @@ fn refined(
     settings: &TrainingSettings,
     resources: Resources<'_>,
 ) -> Result<Vec<Pipeline>, ExperimentError> {
+    let stored: Vec<Option<Pipeline>> = pipelines.iter().map(|p| resources.store.pipeline(&p.key)).collect();
     let mut gathered = Vec::with_capacity(pipelines.len());
-    for FirstStage { of, light, pipeline } in &pipelines {
+    for (FirstStage { of, light, pipeline, .. }, _) in
+        pipelines.iter().zip(&stored).filter(|(_, stored)| stored.is_none())
+    {
         let learner = second_stage(of.camera, light, pipeline).map_err(|e| e.of_camera(of.label))?;
         gathered.push(Gathering { of: *of, learner });
     }
     add_default_set(gathered.iter_mut().collect(), settings, resources)?;
-    let solved: Vec<_> = gathered.iter().map(|g| g.learner.statistics.solve()).collect();
+    let mut solved = gathered.iter().map(|g| g.learner.statistics.solve()).collect::<Vec<_>>().into_iter();
     let mut refined = Vec::with_capacity(pipelines.len());
-    for (FirstStage { of, pipeline, .. }, refinement) in pipelines.into_iter().zip(solved) {
-        let with_both = refinement.and_then(|refinement| pipeline.with_refinement(Some(refinement)));
-        refined.push(
-            with_both.in_context(|| "learning".into()).map_err(|e: ExperimentError| e.of_camera(of.label))?,
-        );
+    for (FirstStage { of, pipeline, key, .. }, stored) in pipelines.into_iter().zip(stored) {
+        let with_both = match stored {
+            Some(stored) => stored,
+            None => {
+                let second = solved.next().transpose();
+                let both = second.and_then(|second| pipeline.with_refinement(second));
+                let both = both.in_context(|| "learning".into());
+                let both = both.map_err(|e: ExperimentError| e.of_camera(of.label))?;
+                resources.store.keep_pipeline(&key, &both);
+                both
+            }
+        };
+        refined.push(with_both);
     }
     Ok(refined)
 }

@@ -3,7 +3,7 @@
 use super::picture_figures::PictureFigures;
 use super::{Progress, Silent};
 use crate::camera::{CameraError, NoStoredScenes, StoredTrainingScenes};
-use crate::l3::Statistics;
+use crate::l3::{Pipeline, Statistics};
 use crate::optics::OpticalImage;
 
 /// A cache of slow results. A key contains everything that its result was computed from. A store may lose entries at any time.
@@ -23,6 +23,14 @@ pub trait Store: Sync {
 
     /// Caches training statistics.
     fn keep_statistics(&self, key: &str, statistics: &Statistics);
+
+    /// The pipeline of best quality of a key; `None` when it is not cached.
+    fn pipeline(&self, _key: &str) -> Option<Pipeline> {
+        None
+    }
+
+    /// Caches a pipeline of best quality.
+    fn keep_pipeline(&self, _key: &str, _pipeline: &Pipeline) {}
 
     /// The scores of a key; `None` when they are not cached.
     fn scores(&self, _key: &str) -> Option<PictureFigures> {

@@ -23,6 +23,6 @@ mod tests;
 
 pub use axes::RefinementAxes;
 pub use refinement::{REFINEMENT_INPUTS, Refinement, RefinementClass};
-pub use statistics::RefinementStatistics;
+pub use statistics::{REFINEMENT_REVISION, RefinementStatistics};
 
 pub(super) use stages::REACH;

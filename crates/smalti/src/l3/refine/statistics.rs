@@ -15,6 +15,9 @@ use crate::numeric::Planes;
 use crate::numeric::products::{LANES, add_products};
 use crate::numeric::simd::{Kernel, dispatch};
 
+/// Raised when learning the second stage gives other kernels for equal pictures: stages that were kept under another revision are not used.
+pub const REFINEMENT_REVISION: u32 = 1;
+
 /// X, Y, Z.
 const OUTPUTS: usize = 3;
 /// Length of z = (1, inputs, targets), in whole registers.
