@@ -46,7 +46,7 @@ pub(crate) struct LearningOptions {
     /// Share of the neighbouring levels in each kernel, from 0 (none) to 1
     #[arg(long, value_name = "SHARE", default_value_t = Training::default().smoothing, value_parser = share, allow_negative_numbers = true)]
     pub(crate) smoothing: f64,
-    /// Work for each picture
+    /// What a learned pipeline may spend on a picture
     #[arg(long, default_value = word_of(&QUALITIES, &Training::default().quality), value_parser = choice(&QUALITIES))]
     pub(crate) quality: Quality,
     /// Also learn to correct the blur of the lens

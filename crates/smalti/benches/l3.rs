@@ -5,7 +5,10 @@
 use std::hint::black_box;
 
 use criterion::{Criterion, Throughput};
-use smalti::l3::{Axes, Class, Kernels, Levels, Origin, Pipeline, PipelineParts};
+use smalti::l3::{
+    Axes, Class, Kernels, Levels, Origin, Pipeline, PipelineParts, REFINEMENT_INPUTS, Refinement,
+    RefinementAxes, RefinementClass,
+};
 use smalti::numeric::Planes;
 use smalti::sensor::{Mosaic, RawImage, RawSamples, Sampling, SignalNoise};
 
@@ -61,6 +64,16 @@ fn pipeline(mosaic: Mosaic, side: usize, learned: bool) -> Pipeline {
     Pipeline::from_parts(parts).unwrap()
 }
 
+/// A second stage of as many classes as cameras have, with distinct kernels.
+fn refinement() -> Refinement {
+    let axes = RefinementAxes::new(Levels::logarithmic(12, 0.002, 0.8).unwrap(), [1e-6, 1e-5, 0.0]).unwrap();
+    let weight = |i: usize| ((i * 7919) % 1009) as f32 / 1009.0 / REFINEMENT_INPUTS as f32;
+    let weights = (0..axes.count() * 3 * REFINEMENT_INPUTS).map(weight).collect();
+    let offsets = (0..axes.count() * 3).map(weight).collect();
+    let classes = vec![RefinementClass { count: 1, is_learned: true }; axes.count()];
+    Refinement::new(axes, classes, weights, offsets).unwrap()
+}
+
 fn run(c: &mut Criterion) {
     let mut group = c.benchmark_group("l3 3840x2160");
     group.throughput(Throughput::Elements((ROWS * COLS) as u64)).sample_size(20);
@@ -83,6 +96,11 @@ fn run(c: &mut Criterion) {
             b.iter(|| renderer.render_into(black_box(&raw), &mut planes).unwrap());
         });
     }
+    let best = pipeline(mosaic.clone(), 5, true).with_refinement(Some(refinement())).unwrap();
+    let renderer = best.renderer();
+    group.bench_function("l3 f32 best quality 5x5", |b| {
+        b.iter(|| renderer.render_into(black_box(&raw), &mut planes).unwrap());
+    });
     group.finish();
     c.final_summary();
 }
