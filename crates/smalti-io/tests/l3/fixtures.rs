@@ -147,6 +147,12 @@ pub(crate) fn parts(r: &Recipe) -> PipelineParts {
     }
 }
 
+/// A pipeline whose outputs are X, Y, Z.
+pub(crate) fn picture_pipeline() -> Pipeline {
+    let outputs = ["X", "Y", "Z"].map(String::from).to_vec();
+    Pipeline::from_parts(PipelineParts { outputs, ..parts(&bayer()) }).unwrap()
+}
+
 /// A second stage with random kernels that sum to about one.
 pub(crate) fn second_stage() -> Refinement {
     let axes = RefinementAxes::new(Levels::logarithmic(3, 0.01, 0.8).unwrap(), [1e-4, 1e-4, 0.0]).unwrap();

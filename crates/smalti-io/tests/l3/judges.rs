@@ -4,7 +4,7 @@ use serde_json::Value;
 use smalti_io::l3::{write_npz, write_statistics, write_table};
 use smalti_io::npy;
 
-use super::fixtures::{bayer, pipeline, raw, recipes, second_stage, statistics};
+use super::fixtures::{bayer, picture_pipeline, pipeline, raw, recipes, second_stage, statistics};
 use super::python::python;
 
 fn floats(v: &Value) -> Vec<f64> {
@@ -99,7 +99,7 @@ fn the_documented_formula_renders() {
 #[test]
 fn the_documented_refinement_refines() {
     let dir = tempfile::tempdir().unwrap();
-    let first = pipeline(&bayer());
+    let first = picture_pipeline();
     let both = first.clone().with_refinement(Some(second_stage())).unwrap();
     let (table, picture) = (dir.path().join("a.l3"), dir.path().join("xyz.npy"));
     write_table(&table, &both).unwrap();

@@ -257,24 +257,36 @@ fn a_dark_scene_is_refused() {
     assert_eq!(statistics.count(), 0);
 }
 
-/// At 1 cd/m², a second stage reduces the error on leaves that were not learned from by more than the seed of the noise moves it.
+/// Patches of colour that span 96 pixels at two samples each.
+fn patches(camera: &Camera, seed: u64) -> Scene {
+    let setting = Setting { luminance_cd_m2: 1.0, ..Setting::default() };
+    let spec = format!("color-patches?rows=192&cols=192&seed={seed}&least=40");
+    let scene = catalog::build(&spec, &setting, &training_reflectances(GRID).unwrap()).unwrap();
+    scene.with_fov(camera.field_of_view_deg(96, setting.distance_m).unwrap()).unwrap()
+}
+
+/// At 1 cd/m², where the signal is hardly above the noise, a second stage reduces the error on uniform patches that were not learned from
+/// by more than the seed of the noise moves it (some tenths of a dB).
 #[test]
 fn a_second_stage_sees_through_the_noise() {
     let camera = camera("bayer");
     let light = Illuminant::D65.photons(GRID).unwrap();
-    let settings = TrainingSettings { exposures: vec![0.9, 0.1, 0.02], ..settings() };
-    let fast = learned(&camera, &settings, &Illuminant::D65);
+    let settings = TrainingSettings { exposures: vec![0.1, 0.03, 0.01, 0.004], ..settings() };
+    let mut statistics = camera.training_statistics(&settings, &light).unwrap();
+    for seed in 1..=4 {
+        camera.train_on(&mut statistics, &patches(&camera, seed), &settings, seed).unwrap();
+    }
+    let fast = Training::default().solve(&statistics, String::new()).unwrap();
     let statistics = RefinementStatistics::new(camera.refinement_axes(&light).unwrap());
     let mut second = SecondStage { pipeline: &fast, statistics };
-    for seed in 1..=3 {
-        camera.train_on(&mut second, &leaves(&camera, seed, &Illuminant::D65), &settings, seed).unwrap();
+    for seed in 1..=4 {
+        camera.train_on(&mut second, &patches(&camera, seed), &settings, seed).unwrap();
     }
     let best = fast.clone().with_refinement(Some(second.statistics.solve().unwrap())).unwrap();
     assert!(best.reach() > fast.reach() + 31);
-    let dim = leaves(&camera, 99, &Illuminant::D65).with_mean_luminance(1.0).unwrap();
-    let setup = Setup::new(&camera, dim, 2).unwrap();
+    let setup = Setup::new(&camera, patches(&camera, 99), 2).unwrap();
     let score = |isp: &Pipeline| compare_on(&setup, isp, 1, &ScoreSettings::default()).unwrap().scores;
     let (ours, theirs) = (score(&best), score(&fast));
-    assert!(ours.cpsnr_db > theirs.cpsnr_db + 0.5, "{} and {}", ours.cpsnr_db, theirs.cpsnr_db);
-    assert!(ours.pixel_delta_e_2000_mean < theirs.pixel_delta_e_2000_mean);
+    assert!(ours.cpsnr_db > theirs.cpsnr_db + 1.5, "{} and {}", ours.cpsnr_db, theirs.cpsnr_db);
+    assert!(ours.pixel_delta_e_2000_mean < 0.8 * theirs.pixel_delta_e_2000_mean);
 }
