@@ -69,7 +69,7 @@ fn a_second_stage_comes_back_bit_for_bit() {
             other => other.to_string(),
         }
     };
-    let reason = forged(r#"\"noise\":[9.99"#, r#"\"noise\":[-9.9"#);
+    let reason = forged(r#"\"noise\":[0.0000"#, r#"\"noise\":[-0.000"#);
     assert!(reason.contains("the variance of the noise at Y = 0 is -"), "{reason}");
     let reason = forged("refinement_offsets", "refinement_offzets");
     assert!(reason.contains("refinement_offsets"), "{reason}");
