@@ -228,11 +228,15 @@ impl Surfaces {
             .map(|(radiance, xyz)| (design.samples(radiance), xyz.map(|v| v * design.full)))
             .filter(|(samples, _)| samples.iter().all(|v| *v < axes.clip()))
             .collect();
-        let level = |position: usize, samples: &[f64]| {
-            let sum: f64 = (0..axes.taps()).map(|tap| samples[axes.channel_of(position, tap)]).sum();
-            axes.levels_at(position).level_of((sum / axes.taps() as f64) as f32)
+        let of_position = |position: &usize| -> Vec<usize> {
+            // The share of each channel in the patch.
+            let mut shares = vec![0.0; axes.mosaic().channels()];
+            for tap in 0..axes.taps() {
+                shares[axes.channel_of(*position, tap)] += 1.0 / axes.taps() as f64;
+            }
+            let levels = axes.levels_at(*position);
+            fields.iter().map(|(samples, _)| levels.level_of(dot(samples, &shares) as f32)).collect()
         };
-        let of_position = |p: &usize| fields.iter().map(|(samples, _)| level(*p, samples)).collect();
         let levels: Vec<Vec<usize>> = positions.iter().map(of_position).collect();
         let mut this = Self { fields, levels, pooled: Vec::new() };
         let count = axes.level_count();
@@ -252,27 +256,29 @@ impl Surfaces {
     }
 
     fn even(&self, position: usize, level: Option<usize>) -> Option<EvenPatches> {
-        let members: Vec<&Field> = self
-            .fields
-            .iter()
-            .zip(&self.levels[position])
-            .filter(|(_, l)| level.is_none_or(|level| level == **l))
-            .map(|(field, _)| field)
-            .collect();
-        let n = members.len() as f64;
-        let channels = members.first()?.0.len();
-        let mean_of = |value: &dyn Fn(&Field) -> f64| members.iter().map(|m| value(m)).sum::<f64>() / n;
-        let mean: Vec<f64> = (0..channels).map(|c| mean_of(&|m| m.0[c])).collect();
-        let target = [0, 1, 2].map(|o| mean_of(&|m| m.1[o]));
-        let covariance = (0..channels * channels)
-            .map(|i| {
-                let (c, d) = (i / channels, i % channels);
-                mean_of(&|m| (m.0[c] - mean[c]) * (m.0[d] - mean[d]))
-            })
-            .collect();
-        let crossed = (0..channels)
-            .map(|c| [0, 1, 2].map(|o| mean_of(&|m| (m.0[c] - mean[c]) * (m.1[o] - target[o]))))
-            .collect();
-        Some(EvenPatches { count: n * f64::from(SURFACE_PATCHES), mean, covariance, target, crossed })
+        let fits = |l: &usize| level.is_none_or(|level| level == *l);
+        let members = || {
+            self.fields.iter().zip(&self.levels[position]).filter(|(_, l)| fits(l)).map(|(field, _)| field)
+        };
+        let channels = members().next()?.0.len();
+        let share = 1.0 / members().count() as f64;
+        let (mut mean, mut target) = (vec![0.0; channels], [0.0; 3]);
+        for (samples, xyz) in members() {
+            mean.iter_mut().zip(samples).for_each(|(m, v)| *m += share * v);
+            target.iter_mut().zip(xyz).for_each(|(t, v)| *t += share * v);
+        }
+        let (mut covariance, mut crossed) = (vec![0.0; channels * channels], vec![[0.0; 3]; channels]);
+        let mut from_mean = vec![0.0; channels];
+        for (samples, xyz) in members() {
+            from_mean.iter_mut().zip(samples.iter().zip(&mean)).for_each(|(d, (v, m))| *d = v - m);
+            let of_target = [0, 1, 2].map(|o| share * (xyz[o] - target[o]));
+            let rows = covariance.chunks_exact_mut(channels).zip(&mut crossed);
+            for ((row, crossed), &d) in rows.zip(&from_mean) {
+                row.iter_mut().zip(&from_mean).for_each(|(c, e)| *c += share * d * e);
+                crossed.iter_mut().zip(of_target).for_each(|(c, t)| *c += d * t);
+            }
+        }
+        let count = f64::from(SURFACE_PATCHES) / share;
+        Some(EvenPatches { count, mean, covariance, target, crossed })
     }
 }

@@ -152,14 +152,22 @@ impl Solve<'_> {
                     let filters = &self.filters[block * k..(block + 1) * k];
                     // The product of the covariance with the filter of j, by component of i.
                     let mut right = [[[0.0f32; WIDE]; FILTERS]; MAX_COMPONENTS];
+                    let count = self.system.responses.len() - block * FILTERS;
                     for (row, right) in covariance.chunks_exact(k).zip(&mut right) {
                         // Written out, since compilers turn a loop over the filters into gathers.
                         let [mut s0, mut s1, mut s2, mut s3] = [[0.0f32; WIDE]; FILTERS];
-                        for (c, f) in row.iter().zip(filters) {
-                            s0 = add_scaled(s0, f[0], *c);
-                            s1 = add_scaled(s1, f[1], *c);
-                            s2 = add_scaled(s2, f[2], *c);
-                            s3 = add_scaled(s3, f[3], *c);
+                        macro_rules! add {
+                            ($($sum:ident $filter:literal),*) => {
+                                for (c, f) in row.iter().zip(filters) {
+                                    $($sum = add_scaled($sum, f[$filter], *c);)*
+                                }
+                            };
+                        }
+                        match count {
+                            1 => add!(s0 0),
+                            2 => add!(s0 0, s1 1),
+                            3 => add!(s0 0, s1 1, s2 2),
+                            _ => add!(s0 0, s1 1, s2 2, s3 3),
                         }
                         *right = [s0, s1, s2, s3];
                     }
@@ -197,8 +205,8 @@ impl Solve<'_> {
         let pairs = taps * (taps + 1) / 2;
         let products = &products[position * pairs..(position + 1) * pairs];
         let count = (light.pools.len() - first).min(LANES);
-        // Lanes beyond the last pool repeat it.
-        let lane_of = |lane: usize| first + lane.min(count - 1);
+        // Lanes beyond the last pool repeat the first one.
+        let lane_of = |lane: usize| first + if lane < count { lane } else { 0 };
         let filters = system.responses.len();
         let (mut share, mut target, mut shift) = (ZERO, [ZERO; 3], [ZERO; 3]);
         let (mut even_mean, mut even) = (vec![ZERO; filters], vec![ZERO; filters * filters]);
@@ -239,16 +247,10 @@ impl Solve<'_> {
             let response = &system.responses[channel];
             let (mut own, mut crossed) = (ZERO, [ZERO; 3]);
             for (a, &f) in response.iter().enumerate() {
-                let (mut m, mut c) = (ZERO, [ZERO; 3]);
-                for lane in 0..LANES {
-                    m[lane] = light.means[lane_of(lane)][i * k + a];
-                    for o in 0..3 {
-                        c[o][lane] = light.crossed[lane_of(lane)][i * k + a][o];
-                    }
-                }
-                own = plus_scaled(own, f, m);
+                let place = (first / LANES * taps + i) * k + a;
+                own = plus_scaled(own, f, light.means[place]);
                 for o in 0..3 {
-                    crossed[o] = plus_scaled(crossed[o], f * system.scale, c[o]);
+                    crossed[o] = plus_scaled(crossed[o], f * system.scale, light.crossed[place][o]);
                 }
             }
             for lane in 0..LANES {

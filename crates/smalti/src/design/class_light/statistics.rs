@@ -12,6 +12,7 @@ use crate::sensor::RawImage;
 
 use super::gather::Gatherer;
 use crate::design::pixel_light::PixelLight;
+use crate::design::screen::lanes::{LANES, Lanes, ZERO};
 
 /// Pools per vector in single precision.
 pub(super) const WIDE: usize = 16;
@@ -29,10 +30,10 @@ pub(in crate::design) struct ClassLight {
     pub(super) groups: usize,
     /// Covariances of pixels i ≤ j, by group, pair, and the components of i and j.
     pub(super) covariances: Vec<Wide>,
-    /// By lane, then pixel and component.
-    pub(super) means: Vec<Vec<f64>>,
-    /// Covariances of a pixel with X, Y, Z of the middle one, by lane, then pixel and component.
-    pub(super) crossed: Vec<Vec<[f64; 3]>>,
+    /// Means, by half a group, then pixel and component.
+    pub(super) means: Vec<Lanes>,
+    /// Covariances of a pixel with X, Y, Z of the middle one, by half a group, then pixel and component.
+    pub(super) crossed: Vec<[Lanes; 3]>,
     /// Mean responses of the neutral array relative to white, smallest and largest.
     pub(super) range: [f32; 2],
     /// Number of pixels by level and texture.
@@ -85,6 +86,8 @@ impl ClassLight {
         let of_class: Vec<Moments> = (0..levels * textures).map(|class| gatherer.moments(class)).collect();
         this.groups = pools.len().div_ceil(WIDE);
         let pairs = taps * (taps + 1) / 2;
+        let halves = this.groups * (WIDE / LANES) * taps * components;
+        (this.means, this.crossed) = (vec![ZERO; halves], vec![[ZERO; 3]; halves]);
         this.covariances = vec![[0.0; WIDE]; this.groups * pairs * components * components];
         for (lane, pool) in pools.into_iter().enumerate() {
             let moments = this.moments(pool, &of_class, &turns);
@@ -173,9 +176,18 @@ impl ClassLight {
                 }
             }
         }
-        let crossed = (0..width).map(|i| [0, 1, 2].map(|o| covariance(i, width + o))).collect();
-        self.crossed.push(crossed);
+        // The unused lanes of half a group repeat its first pool, so that they can be solved as well.
+        let (half, lane) = (lane / LANES, lane % LANES);
+        for i in 0..width {
+            let place = half * width + i;
+            let lanes = if lane == 0 { 0..LANES } else { lane..lane + 1 };
+            for lane in lanes {
+                self.means[place][lane] = mean[i];
+                for o in 0..3 {
+                    self.crossed[place][o][lane] = covariance(i, width + o);
+                }
+            }
+        }
         self.pools.push(Pooled { pool, count, target: [0, 1, 2].map(|o| mean[width + o]) });
-        self.means.push(mean[..width].to_vec());
     }
 }

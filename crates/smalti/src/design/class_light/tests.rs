@@ -1,5 +1,6 @@
 use super::statistics::{ClassLight, WIDE};
 use super::{EvenPatches, LightSystem};
+use crate::design::screen::lanes::ZERO;
 use crate::l3::{Axes, ClassPool, Moments, PoolSource};
 use crate::numeric::dense::{cholesky, dot, substitute};
 use crate::numeric::philox::Stream;
@@ -56,8 +57,8 @@ fn statistics(sets: &[Vec<Vec<f64>>]) -> ClassLight {
         pools: Vec::new(),
         groups: sets.len().div_ceil(WIDE),
         covariances: vec![[0.0; WIDE]; sets.len().div_ceil(WIDE) * TAPS * (TAPS + 1) / 2 * K * K],
-        means: Vec::new(),
-        crossed: Vec::new(),
+        means: vec![ZERO; sets.len().div_ceil(WIDE) * 2 * TAPS * K],
+        crossed: vec![[ZERO; 3]; sets.len().div_ceil(WIDE) * 2 * TAPS * K],
         range: [0.0, 1.0],
         counts: sets.iter().map(|s| s.len() as f64).collect(),
         textures: sets.len(),
