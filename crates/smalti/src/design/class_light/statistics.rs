@@ -178,11 +178,11 @@ impl ClassLight {
         }
         // The unused lanes of half a group repeat its first pool, so that they can be solved as well.
         let (half, lane) = (lane / LANES, lane % LANES);
-        for i in 0..width {
+        for (i, &mean) in mean.iter().enumerate().take(width) {
             let place = half * width + i;
             let lanes = if lane == 0 { 0..LANES } else { lane..lane + 1 };
             for lane in lanes {
-                self.means[place][lane] = mean[i];
+                self.means[place][lane] = mean;
                 for o in 0..3 {
                     self.crossed[place][o][lane] = covariance(i, width + o);
                 }
