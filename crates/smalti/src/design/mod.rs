@@ -16,6 +16,7 @@ pub mod light;
 mod light_trainer;
 mod mosaics;
 mod patch_light;
+mod patch_products;
 mod permutation;
 mod pipeline_trainer;
 mod pixel_light;

@@ -10,10 +10,11 @@ use super::{ClassColors, LightClass, LightSettings, LightStatistics, SpectralBas
 use crate::camera::chart::LUMINANCE;
 use crate::camera::stable_text::stable_text;
 use crate::camera::{Camera, CameraError, ScoreSettings};
+use crate::design::patch_products::{AddPatches, PatchSource};
 use crate::l3::Moments;
 use crate::numeric::dense::dot;
-use crate::numeric::products::{LANES, add_products};
-use crate::numeric::simd::{Kernel, dispatch};
+use crate::numeric::products::LANES;
+use crate::numeric::simd::dispatch;
 use crate::scene::{self, Scene, Setting};
 use crate::sensor::PixelSpectra;
 use crate::spectrum::{Illuminant, Observer, Spectrum};
@@ -265,16 +266,22 @@ impl LightGatherer {
 
     /// Σ z zᵀ over patches.
     fn moments(&self, light: &Coefficients, patches: &[u32]) -> Moments {
-        let side = self.empty.settings.side;
         let coefficients = self.empty.coefficients();
         let stride = (1 + coefficients).next_multiple_of(LANES);
+        let source = PatchSource {
+            values: &light.values,
+            count: light.count,
+            cols: light.cols,
+            side: self.empty.settings.side,
+            targets: &[],
+        };
         let of_part = |part: &[u32]| {
             let mut sums = vec![0.0; stride * stride];
             let count = (BATCH / stride).max(1);
             let mut batch = vec![0.0; count * stride];
             for pixels in part.chunks(count) {
                 let batch = &mut batch[..pixels.len() * stride];
-                dispatch(AddPatches { light, side, pixels, batch, stride, sums: &mut sums });
+                dispatch(AddPatches { source, pixels, batch, stride, sums: &mut sums });
             }
             sums
         };
@@ -310,35 +317,4 @@ fn white_level(y: &[f32]) -> f64 {
     let last = sorted.len().saturating_sub(1);
     let at = (last as f64 * (1.0 - ScoreSettings::default().highlight_share)) as usize;
     f64::from(*sorted.select_nth_unstable_by(at, f32::total_cmp).1)
-}
-
-/// Adds Σ z zᵀ of some patches.
-struct AddPatches<'a> {
-    light: &'a Coefficients,
-    side: usize,
-    pixels: &'a [u32],
-    batch: &'a mut [f64],
-    stride: usize,
-    sums: &'a mut [f64],
-}
-
-impl Kernel for AddPatches<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let Self { light, side, pixels, batch, stride, sums } = self;
-        let (half, width) = (side / 2, side * light.count);
-        for (z, &pixel) in batch.chunks_exact_mut(stride).zip(pixels) {
-            let (row, col) = (pixel as usize / light.cols, pixel as usize % light.cols);
-            z.fill(0.0);
-            z[0] = 1.0;
-            for (r, out) in z[1..].chunks_exact_mut(width).take(side).enumerate() {
-                let first = ((row + r - half) * light.cols + col - half) * light.count;
-                let line = &light.values[first..first + width];
-                out.iter_mut().zip(line).for_each(|(o, v)| *o = f64::from(*v));
-            }
-        }
-        add_products(batch, stride, sums);
-    }
 }
