@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use super::class_light::{ClassLight, EvenPatches, LightSystem};
+use super::class_light::{BrightScene, ClassLight, EvenPatches, LightSystem, Saturated};
 use super::imaged_scene::brightest;
 use super::pixel_light::PixelLight;
 use super::targets::{has_independent_samples, response, samples_per_rate};
@@ -21,9 +21,8 @@ const KEY: &str = "l3.statistics";
 const COMPONENTS: usize = 6;
 /// Number of mosaics with different classes whose statistics are kept, about 6 MB each.
 const KEPT: usize = 16;
-/// The largest sample of the light of the training scene, relative to saturation, that is described. Statistics of light know no
-/// saturation. Automatic exposure places the white patch of the ColorChecker at 95 % of saturation, and thus a perfect white at 105 %; what
-/// the sensor clips of the latter is among the differences that were measured.
+/// The largest sample of the light of the training scene, relative to saturation, that is described. Pipelines from light have no classes of
+/// saturated patches. Automatic exposure places the white patch of the ColorChecker at 95 % of saturation, and thus a perfect white at 105 %.
 const MAX_SAMPLE: f64 = 1.1;
 
 /// Largest number of levels: the sums of a class take 0.4 MB while they are gathered.
@@ -45,6 +44,7 @@ struct Kept {
 #[derive(Debug, Clone)]
 pub(super) struct LightTrainer {
     light: Arc<PixelLight>,
+    scene: Arc<BrightScene>,
     /// Maximum over the pixels at each wavelength, photons s⁻¹ nm⁻¹.
     brightest: Arc<Vec<f64>>,
     kept: Arc<Mutex<VecDeque<Kept>>>,
@@ -66,11 +66,10 @@ impl LightTrainer {
         if settings.levels > MAX_LEVELS {
             return refused("\"light\" has at most 64 levels; \"patches\" has up to 256");
         }
-        Ok(Self {
-            light: Arc::new(PixelLight::new(&camera.sensor, pixels, COMPONENTS)?),
-            brightest: Arc::new(brightest(pixels)),
-            kept: Arc::default(),
-        })
+        let light = Arc::new(PixelLight::new(&camera.sensor, pixels, COMPONENTS)?);
+        let brightest = brightest(pixels);
+        let scene = BrightScene::new(light.clone(), data.seen.clone(), pixels, &brightest, data.seed);
+        Ok(Self { light, scene: Arc::new(scene), brightest: Arc::new(brightest), kept: Arc::default() })
     }
 
     /// The statistics for a mosaic are gathered, if they are not known yet.
@@ -84,7 +83,7 @@ impl LightTrainer {
         design: &ExposedDesign,
     ) -> Result<Pipeline, CameraError> {
         let ExposedDesign { camera, exposure, scale, axes, .. } = design;
-        self.ensure_unsaturated(design)?;
+        let bounds = self.largest_samples(design)?;
         let classes = self.classes(data, axes.mosaic())?;
         let gain = samples_per_rate(&camera.sensor, exposure)?;
         let channels = camera.sensor.cfa.channels();
@@ -99,7 +98,7 @@ impl LightTrainer {
                 / axes.taps() as f64
         };
         let even = Surfaces::new(data, design, &positions);
-        let system = LightSystem {
+        let mut system = LightSystem {
             responses,
             scale: *scale,
             channels: positions.iter().map(taps).collect(),
@@ -107,15 +106,19 @@ impl LightTrainer {
             share,
             noise: *axes.noise(),
             even: &|position, pool| even.pooled(position, pool),
+            saturated: Saturated::default(),
             counts: classes.patch_counts(axes),
         };
+        let cells: Vec<usize> = system.positions.iter().map(|p| system.counts.cells(*p)).collect();
+        system.saturated = classes.saturated(&self.scene, &system, axes.clip(), &bounds, &cells);
+        let system = system;
         let textures = axes.textures().count();
         let count = |position: usize, level: usize, texture: usize| {
-            let of_light = classes.pixels().get(level * textures + texture).map_or(0.0, |n| n * share);
+            let of_light = classes.pixels().get(level * textures + texture).copied().unwrap_or(0.0);
+            let Ok(at) = system.positions.binary_search(&position) else { return (of_light * share) as u64 };
             let pool = ClassPool { level: Some(level), texture: Some(texture) };
-            let at = system.positions.binary_search(&position).ok();
-            let uniform = at.and_then(|at| even.pooled(at, pool)).map_or(0.0, |even| even.count);
-            (of_light + uniform) as u64
+            let uniform = even.pooled(at, pool).map_or(0.0, |even| even.count);
+            ((of_light - system.saturated.count(at, level, texture)) * share + uniform) as u64
         };
         let levels = camera.sensor.raw_levels(exposure)?;
         let source = classes.kernels(&system);
@@ -162,11 +165,14 @@ impl LightTrainer {
         Ok(classes)
     }
 
+    /// Bounds of the samples of each channel of a design.
+    ///
     /// # Errors
-    /// When the light of the training scene saturates a channel of the design by more than [`MAX_SAMPLE`].
-    fn ensure_unsaturated(&self, design: &ExposedDesign) -> Result<(), CameraError> {
+    /// When the light of the training scene saturates a channel by more than [`MAX_SAMPLE`].
+    fn largest_samples(&self, design: &ExposedDesign) -> Result<Vec<f64>, CameraError> {
         let sensor = &design.camera.sensor;
         let gain = samples_per_rate(sensor, &design.exposure)?;
+        let mut bounds = Vec::new();
         for (channel, response) in sensor.cfa.channels().iter().zip(response(sensor, self.grid())?) {
             let bound: f64 = response.iter().zip(&*self.brightest).map(|(r, b)| r * b).sum();
             if bound * gain > MAX_SAMPLE && self.largest(&channel.transmittance) * gain > MAX_SAMPLE {
@@ -177,8 +183,9 @@ impl LightTrainer {
                 );
                 return Err(CameraError::Key { key: KEY.into(), message });
             }
+            bounds.push(bound * gain);
         }
-        Ok(())
+        Ok(bounds)
     }
 
     fn grid(&self) -> WavelengthGrid {

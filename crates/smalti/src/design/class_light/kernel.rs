@@ -1,8 +1,9 @@
 //! The kernels of a design from the statistics of the light, for all pools and positions.
 
+use super::saturated::Saturated;
 use super::statistics::{ClassLight, WIDE, Wide};
 use crate::design::screen::lanes::{Augmented, LANES, Lanes, ZERO, plus_scaled};
-use crate::l3::{ClassPool, PatchCounts, PoolKernels, PoolSource};
+use crate::l3::{ClassPool, Moments, PatchCounts, PoolKernels, PoolSource};
 use crate::numeric::simd::{Kernel, dispatch};
 use crate::sensor::SignalNoise;
 
@@ -43,6 +44,8 @@ pub(in crate::design) struct LightSystem<'a> {
     pub(in crate::design) noise: SignalNoise,
     /// The uniform patches at one of these positions (by index) and in a pool.
     pub(in crate::design) even: &'a (dyn Fn(usize, ClassPool) -> Option<EvenPatches> + Sync),
+    /// The patches that the design saturates.
+    pub(in crate::design) saturated: Saturated,
     /// The numbers of patches of a capture.
     pub(in crate::design) counts: PatchCounts,
 }
@@ -73,11 +76,12 @@ impl ClassLight {
 impl PoolSource for DesignKernels<'_> {
     fn count(&self, position: usize, pool: ClassPool) -> u64 {
         let Ok(at) = self.system.positions.binary_search(&position) else { return 0 };
-        let even = |level| {
-            let flat = ClassPool { level: Some(level), texture: Some(0) };
-            (self.system.even)(at, flat).map_or(0.0, |even| even.count)
+        let further = |level, texture| {
+            let class = ClassPool { level: Some(level), texture: Some(texture) };
+            let even = (self.system.even)(at, class).map_or(0.0, |even| even.count);
+            even - self.system.saturated.count(at, level, texture) * self.system.share
         };
-        self.system.counts.count(position, pool, &even)
+        self.system.counts.count(position, pool, &further)
     }
 
     fn kernels(&self, position: usize, pool: ClassPool) -> Option<PoolKernels> {
@@ -105,6 +109,81 @@ struct Solve<'a> {
     /// A C Aᵀ of a group, by position and pair.
     products: Vec<Wide>,
     kernels: Vec<Option<PoolKernels>>,
+}
+
+/// The signals of eight pools at a position.
+struct Signals {
+    /// Numbers of patches, over all pixels.
+    count: Lanes,
+    /// Mean of each sample.
+    mean: Vec<Lanes>,
+    /// Mean target.
+    target: [Lanes; 3],
+    /// Covariance of each sample with the target.
+    crossed: Vec<[Lanes; 3]>,
+}
+
+impl Signals {
+    /// Those of all patches of the pools from `first` on. Lanes beyond the last pool repeat the first one.
+    #[inline(always)]
+    fn new(light: &ClassLight, system: &LightSystem<'_>, channels: &[usize], first: usize) -> Self {
+        let (taps, k) = (light.taps, light.components);
+        let mut this =
+            Self { count: ZERO, mean: vec![ZERO; taps], target: [ZERO; 3], crossed: vec![[ZERO; 3]; taps] };
+        for lane in 0..LANES {
+            let pooled = &light.pools[if first + lane < light.pools.len() { first + lane } else { first }];
+            this.count[lane] = pooled.count;
+            for o in 0..3 {
+                this.target[o][lane] = pooled.target[o] * system.scale;
+            }
+        }
+        for (i, &channel) in channels.iter().enumerate() {
+            for (a, &f) in system.responses[channel].iter().enumerate() {
+                let place = (first / LANES * taps + i) * k + a;
+                this.mean[i] = plus_scaled(this.mean[i], f, light.means[place]);
+                for o in 0..3 {
+                    let by = f * system.scale;
+                    this.crossed[i][o] = plus_scaled(this.crossed[i][o], by, light.crossed[place][o]);
+                }
+            }
+        }
+        this
+    }
+
+    /// Leaves patches out of the pool in a lane, and out of the covariances of its samples in lane `wide` of `products`. Moments of all patches less those of a part are those of the rest.
+    fn leave_out(&mut self, part: &Moments, lane: usize, wide: usize, products: &mut [Wide]) {
+        let (taps, all, n) = (self.mean.len(), self.count[lane], part.get(0, 0));
+        // Too few patches are left for kernels.
+        if all - n < 1.0 {
+            return;
+        }
+        // The factors of the moments of all and of the part, about their means, and of the product of the difference between these.
+        let (kept, lost) = (all / (all - n), n / (all - n));
+        let between = kept * lost;
+        let mean = |i: usize| part.get(0, 1 + i) / n;
+        let means: Vec<f64> = (0..taps + 3).map(mean).collect();
+        let apart: Vec<f64> = (0..taps).map(|i| self.mean[i][lane] - means[i]).collect();
+        let mut pair = 0;
+        for i in 0..taps {
+            for j in i..taps {
+                let of_part = part.get(1 + i, 1 + j) / n - means[i] * means[j];
+                let value = kept * f64::from(products[pair][wide]) - lost * of_part;
+                products[pair][wide] = (value - between * apart[i] * apart[j]) as f32;
+                pair += 1;
+            }
+            for o in 0..3 {
+                let of_part = part.get(1 + i, 1 + taps + o) / n - means[i] * means[taps + o];
+                let shift = self.target[o][lane] - means[taps + o];
+                let value = kept * self.crossed[i][o][lane] - lost * of_part;
+                self.crossed[i][o][lane] = value - between * apart[i] * shift;
+            }
+            self.mean[i][lane] = kept * self.mean[i][lane] - lost * means[i];
+        }
+        for o in 0..3 {
+            self.target[o][lane] = kept * self.target[o][lane] - lost * means[taps + o];
+        }
+        self.count[lane] = all - n;
+    }
 }
 
 #[inline(always)]
@@ -200,11 +279,18 @@ impl Solve<'_> {
         out: &mut [[Lanes; 3]],
     ) {
         let Solve { light, system, products, kernels, .. } = self;
-        let (taps, k) = (light.taps, light.components);
+        let taps = light.taps;
         let channels = &system.channels[position];
         let pairs = taps * (taps + 1) / 2;
-        let products = &products[position * pairs..(position + 1) * pairs];
+        let products = &mut products[position * pairs..(position + 1) * pairs];
         let count = (light.pools.len() - first).min(LANES);
+        let mut signals = Signals::new(light, system, channels, first);
+        for lane in 0..count {
+            let pooled = &light.pools[first + lane];
+            if let Some(saturated) = system.saturated.of(position, pooled.pool) {
+                signals.leave_out(&saturated, lane, half * LANES + lane, products);
+            }
+        }
         // Lanes beyond the last pool repeat the first one.
         let lane_of = |lane: usize| first + if lane < count { lane } else { 0 };
         let filters = system.responses.len();
@@ -212,14 +298,13 @@ impl Solve<'_> {
         let (mut even_mean, mut even) = (vec![ZERO; filters], vec![ZERO; filters * filters]);
         let mut even_crossed = vec![[ZERO; 3]; filters];
         for lane in 0..LANES {
-            let pooled = &light.pools[lane_of(lane)];
-            let own = pooled.count * system.share;
-            let mine = pooled.target.map(|t| t * system.scale);
+            let own = signals.count[lane] * system.share;
+            let mine = [0, 1, 2].map(|o| signals.target[o][lane]);
             share[lane] = 1.0;
             for o in 0..3 {
                 target[o][lane] = mine[o];
             }
-            if let Some(uniform) = (system.even)(position, pooled.pool) {
+            if let Some(uniform) = (system.even)(position, light.pools[lane_of(lane)].pool) {
                 let w = own / (own + uniform.count);
                 share[lane] = w;
                 for c in 0..filters {
@@ -244,15 +329,7 @@ impl Solve<'_> {
         }
         let (mut mean, mut apart) = (vec![ZERO; taps], vec![ZERO; taps]);
         for (i, &channel) in channels.iter().enumerate() {
-            let response = &system.responses[channel];
-            let (mut own, mut crossed) = (ZERO, [ZERO; 3]);
-            for (a, &f) in response.iter().enumerate() {
-                let place = (first / LANES * taps + i) * k + a;
-                own = plus_scaled(own, f, light.means[place]);
-                for o in 0..3 {
-                    crossed[o] = plus_scaled(crossed[o], f * system.scale, light.crossed[place][o]);
-                }
-            }
+            let (own, crossed) = (signals.mean[i], signals.crossed[i]);
             for lane in 0..LANES {
                 let w = share[lane];
                 mean[i][lane] = w * own[lane] + (1.0 - w) * even_mean[channel][lane];

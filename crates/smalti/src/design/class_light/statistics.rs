@@ -4,8 +4,7 @@ use std::collections::BTreeSet;
 
 use crate::camera::CameraError;
 use crate::l3::{
-    Axes, ClassMap, ClassPool, L3Error, Moments, PatchCounts, Turn, enough, needed_pools, representatives,
-    turns,
+    Axes, ClassMap, ClassPool, L3Error, Moments, PatchCounts, Turn, needed_pools, representatives, turns,
 };
 use crate::numeric::Planes;
 use crate::sensor::RawImage;
@@ -39,6 +38,10 @@ pub(in crate::design) struct ClassLight {
     /// Number of pixels by level and texture.
     pub(super) counts: Vec<f64>,
     pub(super) textures: usize,
+    /// The classes of the pixels.
+    pub(super) map: ClassMap,
+    /// The rotations and reflections of the mosaic.
+    pub(super) turns: Vec<Turn>,
 }
 
 /// A pool of classes.
@@ -80,9 +83,10 @@ impl ClassLight {
             range: map.range.map(|r| r / white),
             counts,
             textures,
+            map,
+            turns: turns(axes),
         };
         let pools = this.needed_pools(axes, even_patches)?;
-        let turns = turns(axes);
         let of_class: Vec<Moments> = (0..levels * textures).map(|class| gatherer.moments(class)).collect();
         this.groups = pools.len().div_ceil(WIDE);
         let pairs = taps * (taps + 1) / 2;
@@ -90,31 +94,25 @@ impl ClassLight {
         (this.means, this.crossed) = (vec![ZERO; halves], vec![[ZERO; 3]; halves]);
         this.covariances = vec![[0.0; WIDE]; this.groups * pairs * components * components];
         for (lane, pool) in pools.into_iter().enumerate() {
-            let moments = this.moments(pool, &of_class, &turns);
+            let moments = this.moments(pool, &of_class);
             this.fill(lane, pool, &moments);
         }
         Ok(this)
     }
 
     /// The pools that pipelines need. Classes of flat patches may have kernels of their own thanks to the uniform patches of a design, or
-    /// not; all pools are included that may be needed.
+    /// not, and a design leaves the patches out that it saturates; all pools are included that may be needed.
     fn needed_pools(&self, axes: &Axes, even_patches: f64) -> Result<BTreeSet<ClassPool>, L3Error> {
         let counts = self.patch_counts(axes);
         let mut pools = BTreeSet::new();
         for position in representatives(axes) {
             for even in [0.0, even_patches] {
-                pools.extend(needed_pools(axes, position, &|pool| counts.count(position, pool, &|_| even))?);
-            }
-            for level in 0..axes.level_count() {
-                let of = |texture| ClassPool { level: Some(level), texture };
-                let count = |pool, even: f64| counts.count(position, pool, &|_| even);
-                let is_rare = count(of(Some(0)), 0.0) < enough(axes);
-                if is_rare && count(of(None), even_patches) >= enough(axes) {
-                    pools.insert(of(None));
-                }
+                let further = |_, texture| if texture == 0 { even } else { 0.0 };
+                pools.extend(needed_pools(axes, position, &|pool| counts.count(position, pool, &further))?);
             }
         }
-        pools.insert(ClassPool { level: None, texture: None });
+        let levels = (0..axes.level_count()).map(Some).chain([None]);
+        pools.extend(levels.map(|level| ClassPool { level, texture: None }));
         Ok(pools)
     }
 
@@ -134,10 +132,10 @@ impl ClassLight {
     }
 
     /// The moments of a pool, averaged over the rotations and reflections of the mosaic; `of_class` has those of each class.
-    fn moments(&self, pool: ClassPool, of_class: &[Moments], turns: &[Turn]) -> Moments {
+    fn moments(&self, pool: ClassPool, of_class: &[Moments]) -> Moments {
         let k = self.components;
         let mut sum = Moments::new(self.taps * k, 3);
-        for turn in turns {
+        for turn in &self.turns {
             let mut places: Vec<usize> = (0..sum.size()).collect();
             for (tap, to) in turn.taps.iter().enumerate() {
                 (0..k).for_each(|c| places[1 + tap * k + c] = 1 + to * k + c);
@@ -151,7 +149,7 @@ impl ClassLight {
                 }
             }
         }
-        sum.divide(turns.len() as f64);
+        sum.divide(self.turns.len() as f64);
         sum
     }
 
