@@ -140,7 +140,7 @@ fn wrong_design_files_name_the_key_and_the_line() {
     for (change, with, message) in [
         ("colors = [3]", "colors = []", "`colors`: expected at least one number of filters"),
         ("starts = 2", "starts = 0", "`search.starts`: 0; expected 1 to 100000"),
-        ("side = 3", "side = 4", "`light.side`: 4; expected 3, 5 or 7 pixels"),
+        ("side = 3", "side = 4", "`light.side`: 4; expected 3, 5, 7 or 9 pixels"),
         (
             "luminances_cd_m2 = [10]",
             "luminances_cd_m2 = [0]",

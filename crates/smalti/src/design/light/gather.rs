@@ -53,7 +53,7 @@ impl LightGatherer {
     /// the illuminant, from which the components are made.
     ///
     /// # Errors
-    /// When a setting is out of range, or the camera bins, has crosstalk or sees no light.
+    /// When a setting is out of range, or the camera sees no light or has both binning and crosstalk.
     pub fn new(
         camera: &Camera,
         illuminant: &Illuminant,
@@ -61,14 +61,14 @@ impl LightGatherer {
         settings: &LightSettings,
     ) -> Result<Self, DesignError> {
         settings.validate()?;
-        if camera.sensor.binning.is_some() {
-            let message = "the light of binned photodiodes cannot be described yet; state a camera whose pixels are as large as the blocks";
-            return Err(DesignError::key("sensor.binning", message));
-        }
-        if camera.sensor.crosstalk.is_some() {
-            let message = "crosstalk mixes the light of neighbouring filters, which the closed form does not describe yet; search with \"sensor.crosstalk_percent\" = 0 in [set], and compare the array on the camera itself";
+        let mut camera = camera.clone();
+        if camera.sensor.binning.is_some() && camera.sensor.crosstalk.is_some() {
+            let message = "crosstalk between photodiodes that are binned is not described; search with \"sensor.crosstalk_percent\" = 0 in [set], and compare the array on the camera itself";
             return Err(DesignError::key("sensor.crosstalk", message));
         }
+        // The light before crosstalk, which mixes what filters have passed.
+        camera.sensor.crosstalk = None;
+        let camera = &camera;
         let grid = camera.grid();
         let basis = SpectralBasis::new(camera, spectra, settings.max_components, settings.max_left_out)?;
         let light = illuminant.photons(grid).map_err(CameraError::from)?;
@@ -107,8 +107,11 @@ impl LightGatherer {
         let small = camera.with_size(1, 1);
         let image = small.optics.image(&white).map_err(CameraError::from)?;
         let pixel = PixelSpectra::new(&small.sensor, &image).map_err(CameraError::from)?;
+        // A sample has the light of all its photodiodes, which is the same for each.
+        let photodiodes = camera.sensor.photodiodes_per_sample();
         let spectrum =
             pixel.spectrum(0, 0).ok_or(CameraError::Sensor(crate::sensor::SensorError::NoLight))?;
+        let spectrum = spectrum.scaled(photodiodes).map_err(CameraError::from)?;
         let unit = dot(&gatherer.luminance, spectrum.values());
         gatherer.luminance.iter_mut().for_each(|w| *w /= unit);
         gatherer.empty.white_coefficients =
@@ -158,7 +161,9 @@ impl LightGatherer {
     /// The coefficients of every pixel, per cd/m² of the mean luminance of the scene.
     fn coefficients(&self, pixels: &PixelSpectra, luminance_cd_m2: f64) -> Result<Coefficients, DesignError> {
         let window = pixels.window();
-        let (rows, cols, count) = (window.rows, window.cols, self.analysis.len());
+        // Photodiodes along the side of a sample.
+        let side = self.camera.sensor.binning_side();
+        let (rows, cols, count) = (window.rows / side, window.cols / side, self.analysis.len());
         let analysis: Vec<Vec<f32>> =
             self.analysis.iter().map(|a| a.iter().map(|v| *v as f32).collect()).collect();
         let luminance: Vec<f32> = self.luminance.iter().map(|v| *v as f32).collect();
@@ -168,8 +173,15 @@ impl LightGatherer {
             let mut add = |at: usize, weights: &[f32]| {
                 let line = &mut lines[at * cols..(at + 1) * cols];
                 for (i, &w) in weights.iter().enumerate() {
-                    let light = pixels.line(window.row + r, i);
-                    line.iter_mut().zip(light).for_each(|(sum, l)| *sum += w * l);
+                    for of_block in 0..side {
+                        let light = pixels.line(window.row + r * side + of_block, i);
+                        if side == 1 {
+                            line.iter_mut().zip(light).for_each(|(sum, l)| *sum += w * l);
+                            continue;
+                        }
+                        let blocks = line.iter_mut().zip(light.chunks_exact(side));
+                        blocks.for_each(|(sum, block)| *sum += w * block.iter().sum::<f32>());
+                    }
                 }
             };
             analysis.iter().enumerate().for_each(|(k, weights)| add(k, weights));
@@ -306,9 +318,13 @@ impl LightGatherer {
     }
 }
 
-/// The parts of a sensor that collect light.
-fn geometry(camera: &Camera) -> [f64; 2] {
-    [camera.sensor.pixel.pitch_m, camera.sensor.pixel.photodetector_area_m2()]
+/// The parts of a sensor that collect light: the pitch of its samples, the area of a photodetector and, if they are several, the
+/// photodiodes of a sample.
+fn geometry(camera: &Camera) -> Vec<f64> {
+    let sensor = &camera.sensor;
+    let mut all = vec![sensor.pixel.pitch_m, sensor.pixel.photodetector_area_m2()];
+    all.extend(sensor.binning.map(|_| sensor.photodiodes_per_sample()));
+    all
 }
 
 /// The luminance that all but the share of [`ScoreSettings`] of the pixels do not exceed.
