@@ -42,6 +42,7 @@ pub use filters::{
     RuleTarget, Series,
 };
 pub use learning_settings::{LearningSettings, LearningStatistics};
+pub(crate) use mosaics::published_filters;
 pub use mosaics::{MosaicFamily, Symmetry, Tile, published};
 pub use permutation::Permutation;
 pub use pipeline_trainer::PipelineTrainer;
