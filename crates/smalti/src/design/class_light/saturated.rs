@@ -37,6 +37,8 @@ pub(in crate::design) struct BrightScene {
     order: Vec<u32>,
     /// The light of these pixels relative to the brightest of the scene, at the wavelength where this is the largest.
     brightness: Vec<f32>,
+    /// The coefficients of these pixels, pixel after pixel.
+    coefficients: Vec<f32>,
     /// A normal deviate for each pixel: whether its noise clips it.
     deviates: Vec<f32>,
 }
@@ -62,6 +64,9 @@ impl BrightScene {
         let mut order: Vec<u32> = (0..all.len() as u32).collect();
         order.sort_by(|a, b| all[*b as usize].total_cmp(&all[*a as usize]));
         let brightness = order.iter().map(|i| all[*i as usize]).collect();
+        let planes = light.planes();
+        let coefficients =
+            order.iter().flat_map(|i| planes.planes().map(move |plane| plane[*i as usize])).collect();
         let mut random = Stream::new(seed, PURPOSE, 0);
         let deviates = (0..all.len().div_ceil(2))
             .flat_map(|_| {
@@ -69,7 +74,7 @@ impl BrightScene {
                 [a, b]
             })
             .collect();
-        Self { light, target, order, brightness, deviates }
+        Self { light, target, order, brightness, coefficients, deviates }
     }
 
     /// Samples of a pixel behind a filter.
@@ -77,25 +82,87 @@ impl BrightScene {
         self.light.planes().planes().zip(response).map(|(plane, r)| f64::from(plane[pixel]) * r).sum()
     }
 
-    /// A bit for each channel that noise and light clip at each pixel. `bounds` are the largest samples that the scene may have behind each filter.
-    fn clipped(&self, system: &LightSystem<'_>, clip: f64, bounds: &[f64]) -> (Vec<u32>, Vec<u32>) {
-        let (mut bits, mut pixels) = (vec![0u32; self.order.len()], Vec::new());
+    /// The channels that light and noise clip somewhere, with the pixels where they do. `bounds` are the largest samples that the scene may have behind each filter.
+    fn clipped(&self, system: &LightSystem<'_>, clip: f64, bounds: &[f64]) -> Vec<(usize, BitRows)> {
+        let (rows, cols, count) = (self.target.rows(), self.target.cols(), self.light.spectra().len());
         let sigma = |x: f64| system.noise.own(x, x * x).max(0.0).sqrt();
-        for (channel, (response, bound)) in system.responses.iter().zip(bounds).enumerate() {
+        let of_channel = |(channel, (response, bound)): (usize, (&Vec<f64>, &f64))| {
             let least = (clip - DEVIATIONS * sigma(clip)) * ALLOWANCE / bound;
-            let count = self.brightness.partition_point(|b| f64::from(*b) >= least);
-            for &pixel in &self.order[..count] {
-                let x = self.sample(pixel as usize, response);
-                if x + sigma(x) * f64::from(self.deviates[pixel as usize]) >= clip {
-                    if bits[pixel as usize] == 0 {
-                        pixels.push(pixel);
-                    }
-                    bits[pixel as usize] |= 1 << channel;
+            let bright = self.brightness.partition_point(|b| f64::from(*b) >= least);
+            let mut found: Option<BitRows> = None;
+            for (pixel, light) in self.order[..bright].iter().zip(self.coefficients.chunks_exact(count)) {
+                let x: f64 = light.iter().zip(response).map(|(l, r)| f64::from(*l) * r).sum();
+                if x + sigma(x) * f64::from(self.deviates[*pixel as usize]) >= clip {
+                    let (row, col) = (*pixel as usize / cols, *pixel as usize % cols);
+                    found.get_or_insert_with(|| BitRows::new(rows, cols)).set(row, col);
+                }
+            }
+            found.map(|bits| (channel, bits))
+        };
+        system.responses.iter().zip(bounds).enumerate().filter_map(of_channel).collect()
+    }
+}
+
+/// A bit for each pixel.
+struct BitRows {
+    /// Words of a row, with one more that is 0.
+    words: usize,
+    bits: Vec<u64>,
+}
+
+impl BitRows {
+    fn new(rows: usize, cols: usize) -> Self {
+        let words = cols.div_ceil(64) + 1;
+        Self { words, bits: vec![0; rows * words] }
+    }
+
+    fn set(&mut self, row: usize, col: usize) {
+        self.bits[row * self.words + col / 64] |= 1 << (col % 64);
+    }
+
+    fn row(&self, row: usize) -> &[u64] {
+        &self.bits[row * self.words..(row + 1) * self.words]
+    }
+
+    /// The bits from a column of a row on.
+    #[inline(always)]
+    fn from(words: &[u64], col: usize) -> u64 {
+        let (word, shift) = (col / 64, col % 64);
+        words[word] >> shift | if shift == 0 { 0 } else { words[word + 1] << (64 - shift) }
+    }
+
+    /// The pixels of the patch of `side` × `side` pixels from (row, col) on, a bit each.
+    #[inline(always)]
+    fn patch(&self, row: usize, col: usize, side: usize) -> u128 {
+        let line = |r: usize| u128::from(Self::from(self.row(row + r), col) & ((1 << side) - 1));
+        (0..side).fold(0, |bits, r| bits | line(r) << (r * side))
+    }
+}
+
+/// The patches that have a bit in some of the planes, by row and column of their first pixel, in ascending order.
+fn patches_with_a_bit(planes: &[(usize, BitRows)], [rows, cols]: [usize; 2], side: usize) -> Vec<[usize; 2]> {
+    let Some(words) = planes.first().map(|(_, bits)| bits.words) else { return Vec::new() };
+    let mut found = Vec::new();
+    let mut line = vec![0u64; words];
+    for row in 0..rows {
+        line.fill(0);
+        for (_, bits) in planes {
+            for r in row..row + side {
+                line.iter_mut().zip(bits.row(r)).for_each(|(sum, bits)| *sum |= bits);
+            }
+        }
+        for first in (0..cols).step_by(64) {
+            let mut rest = (0..side).fold(0, |bits, c| bits | BitRows::from(&line, first + c));
+            while rest != 0 {
+                let col = first + rest.trailing_zeros() as usize;
+                rest &= rest - 1;
+                if col < cols {
+                    found.push([row, col]);
                 }
             }
         }
-        (bits, pixels)
     }
+    found
 }
 
 /// The moments of the samples of saturated patches, by position and class.
@@ -153,60 +220,51 @@ impl ClassLight {
         bounds: &[f64],
         cells: &[usize],
     ) -> Saturated {
-        let side = self.map.first * 2 + 1;
-        let cols = scene.target.cols();
-        let (bits, pixels) = scene.clipped(system, clip, bounds);
-        if pixels.is_empty() {
+        let (side, cols, inner) = (self.map.first * 2 + 1, scene.target.cols(), self.map.cols);
+        let clipped = scene.clipped(system, clip, bounds);
+        if clipped.is_empty() {
             return Saturated::default();
         }
-        // The patches with a clipped pixel, by the index of their first pixel.
-        let (rows, inner) = (self.map.local.len() / self.map.cols, self.map.cols);
-        let mut is_found = vec![false; rows * cols];
-        let mut patches = Vec::new();
-        for pixel in pixels {
-            let (row, col) = (pixel as usize / cols, pixel as usize % cols);
-            for r in (row + 1).saturating_sub(side)..(row + 1).min(rows) {
-                for c in (col + 1).saturating_sub(side)..(col + 1).min(inner) {
-                    if !std::mem::replace(&mut is_found[r * cols + c], true) {
-                        patches.push(r * cols + c);
-                    }
-                }
-            }
-        }
-        patches.sort_unstable();
-        let offsets: Vec<usize> = (0..self.taps).map(|tap| tap / side * cols + tap % side).collect();
+        let patches = patches_with_a_bit(&clipped, [self.map.local.len() / inner, inner], side);
         let arrangements = self.arrangements(system);
         // Saturated patches by arrangement, and the combination of clipped channels.
-        let mut found: Vec<(usize, usize, u32)> = Vec::new();
-        let mut counts: BTreeMap<u32, f64> = BTreeMap::new();
-        let mut clipped = vec![0u128; system.responses.len()];
+        let mut found: Vec<(usize, [usize; 2], u32)> = Vec::new();
+        // There are few combinations, and neighbouring patches mostly have the same.
+        let mut counts: Vec<(u32, f64)> = Vec::new();
+        let mut taps = vec![0u128; clipped.len()];
         for patch in patches {
-            clipped.fill(0);
-            for (tap, offset) in offsets.iter().enumerate() {
-                let mut rest = bits[patch + offset];
-                while rest != 0 {
-                    clipped[rest.trailing_zeros() as usize] |= 1 << tap;
-                    rest &= rest - 1;
-                }
-            }
+            taps.iter_mut()
+                .zip(&clipped)
+                .for_each(|(t, (_, bits))| *t = bits.patch(patch[0], patch[1], side));
             for (number, arrangement) in arrangements.iter().enumerate() {
-                let of = |(channel, (a, b)): (usize, (&u128, &u128))| u32::from(a & b != 0) << channel;
-                let mask = clipped.iter().zip(&arrangement.taps).enumerate().map(of).sum::<u32>();
+                let mut mask = 0u32;
+                for (taps, (channel, _)) in taps.iter().zip(&clipped) {
+                    mask |= u32::from(taps & arrangement.taps[*channel] != 0) << channel;
+                }
                 if mask != 0 {
                     let share = arrangement.turns.len() as f64 / self.turns.len() as f64;
-                    *counts.entry(mask).or_insert(0.0) += share * cells[arrangement.at] as f64;
+                    let patches = share * cells[arrangement.at] as f64;
+                    match counts.iter_mut().find(|(known, _)| *known == mask) {
+                        Some((_, count)) => *count += patches,
+                        None => counts.push((mask, patches)),
+                    }
                     found.push((number, patch, mask));
                 }
             }
         }
         let total = self.map.local.len() as f64 * cells.iter().sum::<usize>() as f64;
+        let counts: BTreeMap<u32, f64> = counts.into_iter().collect();
         let axis = saturation_axis(&counts, total, Training::default().saturation_share);
-        let is_kept = |mask| axis[nearest_saturation(&axis, mask)] != 0;
-        let class_of = |patch: usize| usize::from(self.map.local[patch / cols * inner + patch % cols]);
+        if axis.len() == 1 {
+            return Saturated::default();
+        }
+        let offsets: Vec<usize> = (0..self.taps).map(|tap| tap / side * cols + tap % side).collect();
         let mut entries: Vec<(usize, usize, u32)> = found
             .into_iter()
-            .filter(|(.., mask)| is_kept(*mask))
-            .map(|(number, patch, _)| (number, class_of(patch), patch as u32))
+            .filter(|(.., mask)| axis[nearest_saturation(&axis, *mask)] != 0)
+            .map(|(number, [row, col], _)| {
+                (number, usize::from(self.map.local[row * inner + col]), (row * cols + col) as u32)
+            })
             .collect();
         entries.sort_unstable();
         self.summed(scene, system, &arrangements, &offsets, &entries)
@@ -321,5 +379,118 @@ impl Kernel for AddSamples<'_> {
             }
         }
         add_products(batch, stride, sums);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::{Camera, CameraDescription};
+    use crate::l3::{Axes, Levels, representatives};
+    use crate::scene::{Setting, catalog};
+    use crate::sensor::{Cfa, Channel, Mosaic, NoiseMode, SignalNoise};
+    use crate::spectrum::{Spectrum, WavelengthGrid};
+
+    const SIDE: usize = 3;
+    const SIZE: usize = 40;
+
+    /// The moments are those of every patch, position and turn in which a sample clips, one by one.
+    #[test]
+    fn moments_are_those_of_the_patches_with_a_clipped_sample() {
+        let camera = Camera::new(CameraDescription::default(), WavelengthGrid::VISIBLE).unwrap();
+        let camera = camera.with_size(SIZE, SIZE);
+        let reflectances: Vec<Spectrum> = (1..9)
+            .map(|i| {
+                Spectrum::from_fn(camera.grid(), |nm| 0.5 + 0.4 * libm::sin(nm / 20.0 / f64::from(i)))
+                    .unwrap()
+            })
+            .collect();
+        let setting = Setting { grid: camera.grid(), ..Setting::default() };
+        let scene = catalog::build("dead-leaves?rows=80&cols=80&seed=3", &setting, &reflectances).unwrap();
+        let deg = camera.field_of_view_deg(SIZE, setting.distance_m).unwrap();
+        let image = camera.optics.image(&scene.with_fov(deg).unwrap()).unwrap();
+        let pixels = PixelSpectra::new(&camera.sensor, &image).unwrap();
+        let light = Arc::new(PixelLight::new(&camera.sensor, &pixels, 3).unwrap());
+        let target = Arc::new(camera.seen_by_observer(&image).unwrap());
+        let brightest = crate::design::imaged_scene::brightest(&pixels);
+        let scene = BrightScene::new(light.clone(), target.clone(), &pixels, &brightest, 5);
+        // A mosaic that a half turn maps onto itself, whose patches have several arrangements.
+        let mosaic = Mosaic::new(2, 3, vec![0, 1, 2, 1, 0, 2]).unwrap();
+        let noise = SignalNoise { constant: 1e-5, per_signal: 1e-4, ..SignalNoise::default() };
+        let axes = Axes::new(mosaic.clone(), SIDE, Levels::new(vec![0.4]).unwrap(), noise).unwrap();
+        let clear = Spectrum::constant(camera.grid(), 1.0).unwrap();
+        let channel = |c: usize| Channel { name: c.to_string(), transmittance: clear.clone() };
+        let camera = camera.with_cfa(Cfa::new("clear", mosaic, (0..3).map(channel).collect()).unwrap());
+        let exposure = camera.exposure(&image).unwrap();
+        let seen = camera.sensor.capture(&image, &exposure, NoiseMode::All, 1).unwrap();
+        let classes = ClassLight::new(&light, &target, &axes, &seen, 1.0, 0.0).unwrap();
+        // The brightest pixels of two filters lie above saturation.
+        let unit = |k: usize| -> f64 {
+            let plane = light.planes().plane(k).unwrap();
+            f64::from(plane.iter().fold(0.0f32, |m, v| m.max(v.abs())))
+        };
+        let filter = |a: f64, b: f64| vec![a / unit(0), b / unit(1), 0.02 / unit(2)];
+        let responses = vec![filter(1.02, 0.05), filter(0.6, 0.1), filter(1.0, -0.1)];
+        let sample = |c: usize, i: usize| scene.sample(i, &responses[c]);
+        let bounds: Vec<f64> =
+            (0..3).map(|c| 1.5 * (0..SIZE * SIZE).map(|i| sample(c, i)).fold(0.0, f64::max)).collect();
+        let positions = representatives(&axes);
+        let counts = classes.patch_counts(&axes);
+        let cells: Vec<usize> = positions.iter().map(|p| counts.cells(*p)).collect();
+        let channels = |p: &usize| (0..axes.taps()).map(|tap| axes.channel_of(*p, tap)).collect();
+        let system = LightSystem {
+            responses: responses.clone(),
+            scale: 0.5,
+            channels: positions.iter().map(channels).collect(),
+            positions,
+            share: 1.0,
+            noise,
+            even: &|_, _| None,
+            saturated: Saturated::default(),
+            counts,
+        };
+        let clip = axes.clip();
+        let found = classes.saturated(&scene, &system, clip, &bounds, &cells);
+        let clips = |c: usize, i: usize| {
+            let x = sample(c, i);
+            x + noise.own(x, x * x).sqrt() * f64::from(scene.deviates[i]) >= clip
+        };
+        let (inner, textures) = (SIZE - 2, classes.textures);
+        let mut total = 0.0;
+        for (at, of_patch) in system.channels.iter().enumerate() {
+            let mut expected = vec![Moments::new(9, 3); classes.counts.len()];
+            for turn in &classes.turns {
+                for (place, class) in classes.map.local.iter().enumerate() {
+                    let pixel = |tap: usize| (place / inner + tap / 3) * SIZE + place % inner + tap % 3;
+                    let mut z = vec![1.0; 13];
+                    let mut is_clipped = false;
+                    for (tap, to) in turn.taps.iter().enumerate() {
+                        z[1 + to] = f64::from(sample(of_patch[*to], pixel(tap)) as f32);
+                        is_clipped |= clips(of_patch[*to], pixel(tap));
+                    }
+                    for (z, plane) in z[10..].iter_mut().zip(target.planes()) {
+                        *z = 0.5 * f64::from(plane[pixel(4)]);
+                    }
+                    if is_clipped {
+                        let class = usize::from(*class);
+                        let turned = class / textures * textures + turn.textures[class % textures];
+                        expected[turned].add(&z, 1.0 / classes.turns.len() as f64);
+                    }
+                }
+            }
+            for (class, expected) in expected.iter().enumerate() {
+                let pool = ClassPool { level: Some(class / textures), texture: Some(class % textures) };
+                total += expected.get(0, 0);
+                match found.of(at, pool) {
+                    Some(found) => {
+                        let pairs = found.sums().iter().zip(expected.sums());
+                        pairs.for_each(|(a, b)| assert!((a - b).abs() <= 1e-9 * b.abs().max(1.0), "{a} {b}"));
+                    }
+                    None => assert!(expected.get(0, 0) == 0.0, "class {class} at {at}"),
+                }
+            }
+        }
+        let all = (classes.map.local.len() * system.positions.len()) as f64;
+        assert!(total > 0.01 * all && total < 0.5 * all, "{total} of {all}");
     }
 }

@@ -90,7 +90,7 @@ fn saturated(sets: &[Vec<Vec<f64>>]) -> Saturated {
 
 /// The brighter half of the patches of every third set.
 fn is_saturated(lane: usize, u: &[f64]) -> bool {
-    lane % 3 == 0 && u[0] > 0.45
+    lane.is_multiple_of(3) && u[0] > 0.45
 }
 
 /// Weights and offsets by textbook: weighted samples of the patches and of even fields, their covariance, noise, and a solution for each
@@ -173,7 +173,7 @@ fn kernels_are_those_of_textbook_least_squares() {
         for (lane, set) in sets.iter().enumerate() {
             let found = kernels.kernels(0, pool(lane)).unwrap();
             let used: Vec<Vec<f64>> = set.iter().filter(|u| !is_saturated(lane, u)).cloned().collect();
-            assert_eq!(used.len() < set.len(), lane % 3 == 0);
+            assert_eq!(used.len() < set.len(), lane.is_multiple_of(3));
             let (weights, offsets) = textbook(&used, lane % 2 == 0, &noise);
             let largest = weights.iter().fold(0.0f64, |m, w| m.max(w.abs()));
             for (a, b) in found.weights.iter().zip(&weights).chain(found.offsets.iter().zip(&offsets)) {
