@@ -4,6 +4,9 @@
 //! `cargo test --release -p smalti-io --test screening -- --ignored --nocapture`.
 #![allow(missing_docs, clippy::unwrap_used, clippy::panic)]
 
+#[path = "support/rank.rs"]
+mod rank;
+
 use std::path::PathBuf;
 
 use smalti::design::light::LightSettings;
@@ -12,6 +15,8 @@ use smalti::design::{Metric, Sweep};
 use smalti::experiment::{Resources, light_statistics};
 use smalti_io::rendered::TrainingSet;
 use smalti_io::{TomlSource, studies};
+
+use rank::spearman;
 
 /// 504 designs of random Gaussian filters, 3 to 6 colours, on leaves that nothing is learned from. No scene is a training scene.
 const STUDY: &str = r#"
@@ -35,26 +40,6 @@ const STUDY: &str = r#"
     [conditions.grid]
     luminance_cd_m2 = [1.0, 10.0, 80.0]
 "#;
-
-/// Ranks from 0; equal values share their mean rank.
-fn ranks(values: &[f64]) -> Vec<f64> {
-    let mut order: Vec<usize> = (0..values.len()).collect();
-    order.sort_by(|&a, &b| values[a].total_cmp(&values[b]));
-    let mut ranks = vec![0.0; values.len()];
-    for run in order.chunk_by(|&a, &b| values[a] == values[b]) {
-        let first = order.iter().position(|i| *i == run[0]).unwrap();
-        run.iter().for_each(|&i| ranks[i] = first as f64 + 0.5 * (run.len() - 1) as f64);
-    }
-    ranks
-}
-
-/// Spearman's coefficient of rank correlation.
-fn spearman(a: &[f64], b: &[f64]) -> f64 {
-    let (a, b) = (ranks(a), ranks(b));
-    let mean = (a.len() - 1) as f64 / 2.0;
-    let sum = |x: &[f64], y: &[f64]| x.iter().zip(y).map(|(x, y)| (x - mean) * (y - mean)).sum::<f64>();
-    sum(&a, &b) / (sum(&a, &a) * sum(&b, &b)).sqrt()
-}
 
 #[test]
 #[ignore = "minutes: just screening"]

@@ -57,7 +57,8 @@ fn scenes(
 /// The statistics in files, those of one illuminant merged.
 fn read(task: &DesignTask, files: &[PathBuf], common: &Common) -> anyhow::Result<Vec<LightStatistics>> {
     let mut read = files.iter().map(|f| Ok((f, light::read(f)?))).collect::<anyhow::Result<Vec<_>>>()?;
-    if read.iter().any(|(_, s)| *s.settings() != task.light) {
+    let wanted = task.light.around(&task.camera)?;
+    if read.iter().any(|(_, s)| *s.settings() != wanted) {
         note("the settings of the statistics are those of their files, not those of the design", common);
     }
     let mut all = Vec::new();

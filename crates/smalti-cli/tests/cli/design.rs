@@ -140,7 +140,7 @@ fn wrong_design_files_name_the_key_and_the_line() {
     for (change, with, message) in [
         ("colors = [3]", "colors = []", "`colors`: expected at least one number of filters"),
         ("starts = 2", "starts = 0", "`search.starts`: 0; expected 1 to 100000"),
-        ("side = 3", "side = 4", "`light.side`: 4; expected 3, 5 or 7 pixels"),
+        ("side = 3", "side = 4", "`light.side`: 4; expected 3, 5, 7 or 9 pixels"),
         (
             "luminances_cd_m2 = [10]",
             "luminances_cd_m2 = [0]",
@@ -149,7 +149,16 @@ fn wrong_design_files_name_the_key_and_the_line() {
         ("[filters.pigments]", "[filters.pigments]\nmax_thickness = 0", "filters.pigments.max_thickness"),
         ("[filters.pigments]", "[filters.pigments]\nlibrary = [{ flat = 0 }]", "it transmits no light"),
         ("given = [[\"bc\", \"ab\"]]", "given = [[\"ab\", \"ba\"]]", "no mosaic has [3] filters"),
-        ("camera = \"bayer\"", "camera = \"phone-quad-binned\"", "whose pixels are as large as"),
+        (
+            "camera = \"bayer\"",
+            "camera = \"phone-quad-binned\"\nset = { \"sensor.crosstalk_percent\" = 2 }",
+            "crosstalk between photodiodes that are binned",
+        ),
+        (
+            "given = [[\"bc\", \"ab\"]]",
+            "tile = { rows = 400, cols = 300 }",
+            "400 × 300 cells; expected 1 to 1024",
+        ),
         ("starts = 2", "stars = 2", "did you mean `starts`?"),
         (
             "[search]",

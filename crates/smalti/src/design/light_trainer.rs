@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use super::class_light::{ClassLight, EvenPatches, LightSystem};
+use super::class_light::{BrightScene, ClassLight, EvenPatches, LightSystem, Saturated};
 use super::imaged_scene::brightest;
 use super::pixel_light::PixelLight;
 use super::targets::{has_independent_samples, response, samples_per_rate};
@@ -21,9 +21,8 @@ const KEY: &str = "l3.statistics";
 const COMPONENTS: usize = 6;
 /// Number of mosaics with different classes whose statistics are kept, about 6 MB each.
 const KEPT: usize = 16;
-/// The largest sample of the light of the training scene, relative to saturation, that is described. Statistics of light know no
-/// saturation. Automatic exposure places the white patch of the ColorChecker at 95 % of saturation, and thus a perfect white at 105 %; what
-/// the sensor clips of the latter is among the differences that were measured.
+/// The largest sample of the light of the training scene, relative to saturation, that is described. Pipelines from light have no classes of
+/// saturated patches. Automatic exposure places the white patch of the ColorChecker at 95 % of saturation, and thus a perfect white at 105 %.
 const MAX_SAMPLE: f64 = 1.1;
 
 /// Largest number of levels: the sums of a class take 0.4 MB while they are gathered.
@@ -45,6 +44,7 @@ struct Kept {
 #[derive(Debug, Clone)]
 pub(super) struct LightTrainer {
     light: Arc<PixelLight>,
+    scene: Arc<BrightScene>,
     /// Maximum over the pixels at each wavelength, photons s⁻¹ nm⁻¹.
     brightest: Arc<Vec<f64>>,
     kept: Arc<Mutex<VecDeque<Kept>>>,
@@ -66,11 +66,10 @@ impl LightTrainer {
         if settings.levels > MAX_LEVELS {
             return refused("\"light\" has at most 64 levels; \"patches\" has up to 256");
         }
-        Ok(Self {
-            light: Arc::new(PixelLight::new(&camera.sensor, pixels, COMPONENTS)?),
-            brightest: Arc::new(brightest(pixels)),
-            kept: Arc::default(),
-        })
+        let light = Arc::new(PixelLight::new(&camera.sensor, pixels, COMPONENTS)?);
+        let brightest = brightest(pixels);
+        let scene = BrightScene::new(light.clone(), data.seen.clone(), pixels, &brightest, data.seed);
+        Ok(Self { light, scene: Arc::new(scene), brightest: Arc::new(brightest), kept: Arc::default() })
     }
 
     /// The statistics for a mosaic are gathered, if they are not known yet.
@@ -84,7 +83,7 @@ impl LightTrainer {
         design: &ExposedDesign,
     ) -> Result<Pipeline, CameraError> {
         let ExposedDesign { camera, exposure, scale, axes, .. } = design;
-        self.ensure_unsaturated(design)?;
+        let bounds = self.largest_samples(design)?;
         let classes = self.classes(data, axes.mosaic())?;
         let gain = samples_per_rate(&camera.sensor, exposure)?;
         let channels = camera.sensor.cfa.channels();
@@ -99,7 +98,7 @@ impl LightTrainer {
                 / axes.taps() as f64
         };
         let even = Surfaces::new(data, design, &positions);
-        let system = LightSystem {
+        let mut system = LightSystem {
             responses,
             scale: *scale,
             channels: positions.iter().map(taps).collect(),
@@ -107,15 +106,19 @@ impl LightTrainer {
             share,
             noise: *axes.noise(),
             even: &|position, pool| even.pooled(position, pool),
+            saturated: Saturated::default(),
             counts: classes.patch_counts(axes),
         };
+        let cells: Vec<usize> = system.positions.iter().map(|p| system.counts.cells(*p)).collect();
+        system.saturated = classes.saturated(&self.scene, &system, axes.clip(), &bounds, &cells);
+        let system = system;
         let textures = axes.textures().count();
         let count = |position: usize, level: usize, texture: usize| {
-            let of_light = classes.pixels().get(level * textures + texture).map_or(0.0, |n| n * share);
+            let of_light = classes.pixels().get(level * textures + texture).copied().unwrap_or(0.0);
+            let Ok(at) = system.positions.binary_search(&position) else { return (of_light * share) as u64 };
             let pool = ClassPool { level: Some(level), texture: Some(texture) };
-            let at = system.positions.binary_search(&position).ok();
-            let uniform = at.and_then(|at| even.pooled(at, pool)).map_or(0.0, |even| even.count);
-            (of_light + uniform) as u64
+            let uniform = even.pooled(at, pool).map_or(0.0, |even| even.count);
+            ((of_light - system.saturated.count(at, level, texture)) * share + uniform) as u64
         };
         let levels = camera.sensor.raw_levels(exposure)?;
         let source = classes.kernels(&system);
@@ -162,11 +165,14 @@ impl LightTrainer {
         Ok(classes)
     }
 
+    /// Bounds of the samples of each channel of a design.
+    ///
     /// # Errors
-    /// When the light of the training scene saturates a channel of the design by more than [`MAX_SAMPLE`].
-    fn ensure_unsaturated(&self, design: &ExposedDesign) -> Result<(), CameraError> {
+    /// When the light of the training scene saturates a channel by more than [`MAX_SAMPLE`].
+    fn largest_samples(&self, design: &ExposedDesign) -> Result<Vec<f64>, CameraError> {
         let sensor = &design.camera.sensor;
         let gain = samples_per_rate(sensor, &design.exposure)?;
+        let mut bounds = Vec::new();
         for (channel, response) in sensor.cfa.channels().iter().zip(response(sensor, self.grid())?) {
             let bound: f64 = response.iter().zip(&*self.brightest).map(|(r, b)| r * b).sum();
             if bound * gain > MAX_SAMPLE && self.largest(&channel.transmittance) * gain > MAX_SAMPLE {
@@ -177,8 +183,9 @@ impl LightTrainer {
                 );
                 return Err(CameraError::Key { key: KEY.into(), message });
             }
+            bounds.push(bound * gain);
         }
-        Ok(())
+        Ok(bounds)
     }
 
     fn grid(&self) -> WavelengthGrid {
@@ -228,11 +235,15 @@ impl Surfaces {
             .map(|(radiance, xyz)| (design.samples(radiance), xyz.map(|v| v * design.full)))
             .filter(|(samples, _)| samples.iter().all(|v| *v < axes.clip()))
             .collect();
-        let level = |position: usize, samples: &[f64]| {
-            let sum: f64 = (0..axes.taps()).map(|tap| samples[axes.channel_of(position, tap)]).sum();
-            axes.levels_at(position).level_of((sum / axes.taps() as f64) as f32)
+        let of_position = |position: &usize| -> Vec<usize> {
+            // The share of each channel in the patch.
+            let mut shares = vec![0.0; axes.mosaic().channels()];
+            for tap in 0..axes.taps() {
+                shares[axes.channel_of(*position, tap)] += 1.0 / axes.taps() as f64;
+            }
+            let levels = axes.levels_at(*position);
+            fields.iter().map(|(samples, _)| levels.level_of(dot(samples, &shares) as f32)).collect()
         };
-        let of_position = |p: &usize| fields.iter().map(|(samples, _)| level(*p, samples)).collect();
         let levels: Vec<Vec<usize>> = positions.iter().map(of_position).collect();
         let mut this = Self { fields, levels, pooled: Vec::new() };
         let count = axes.level_count();
@@ -252,27 +263,29 @@ impl Surfaces {
     }
 
     fn even(&self, position: usize, level: Option<usize>) -> Option<EvenPatches> {
-        let members: Vec<&Field> = self
-            .fields
-            .iter()
-            .zip(&self.levels[position])
-            .filter(|(_, l)| level.is_none_or(|level| level == **l))
-            .map(|(field, _)| field)
-            .collect();
-        let n = members.len() as f64;
-        let channels = members.first()?.0.len();
-        let mean_of = |value: &dyn Fn(&Field) -> f64| members.iter().map(|m| value(m)).sum::<f64>() / n;
-        let mean: Vec<f64> = (0..channels).map(|c| mean_of(&|m| m.0[c])).collect();
-        let target = [0, 1, 2].map(|o| mean_of(&|m| m.1[o]));
-        let covariance = (0..channels * channels)
-            .map(|i| {
-                let (c, d) = (i / channels, i % channels);
-                mean_of(&|m| (m.0[c] - mean[c]) * (m.0[d] - mean[d]))
-            })
-            .collect();
-        let crossed = (0..channels)
-            .map(|c| [0, 1, 2].map(|o| mean_of(&|m| (m.0[c] - mean[c]) * (m.1[o] - target[o]))))
-            .collect();
-        Some(EvenPatches { count: n * f64::from(SURFACE_PATCHES), mean, covariance, target, crossed })
+        let fits = |l: &usize| level.is_none_or(|level| level == *l);
+        let members = || {
+            self.fields.iter().zip(&self.levels[position]).filter(|(_, l)| fits(l)).map(|(field, _)| field)
+        };
+        let channels = members().next()?.0.len();
+        let share = 1.0 / members().count() as f64;
+        let (mut mean, mut target) = (vec![0.0; channels], [0.0; 3]);
+        for (samples, xyz) in members() {
+            mean.iter_mut().zip(samples).for_each(|(m, v)| *m += share * v);
+            target.iter_mut().zip(xyz).for_each(|(t, v)| *t += share * v);
+        }
+        let (mut covariance, mut crossed) = (vec![0.0; channels * channels], vec![[0.0; 3]; channels]);
+        let mut from_mean = vec![0.0; channels];
+        for (samples, xyz) in members() {
+            from_mean.iter_mut().zip(samples.iter().zip(&mean)).for_each(|(d, (v, m))| *d = v - m);
+            let of_target = [0, 1, 2].map(|o| share * (xyz[o] - target[o]));
+            let rows = covariance.chunks_exact_mut(channels).zip(&mut crossed);
+            for ((row, crossed), &d) in rows.zip(&from_mean) {
+                row.iter_mut().zip(&from_mean).for_each(|(c, e)| *c += share * d * e);
+                crossed.iter_mut().zip(of_target).for_each(|(c, t)| *c += d * t);
+            }
+        }
+        let count = f64::from(SURFACE_PATCHES) / share;
+        Some(EvenPatches { count, mean, covariance, target, crossed })
     }
 }

@@ -16,6 +16,7 @@ pub mod light;
 mod light_trainer;
 mod mosaics;
 mod patch_light;
+mod patch_products;
 mod permutation;
 mod pipeline_trainer;
 mod pixel_light;
@@ -41,6 +42,7 @@ pub use filters::{
     RuleTarget, Series,
 };
 pub use learning_settings::{LearningSettings, LearningStatistics};
+pub(crate) use mosaics::published_filters;
 pub use mosaics::{MosaicFamily, Symmetry, Tile, published};
 pub use permutation::Permutation;
 pub use pipeline_trainer::PipelineTrainer;

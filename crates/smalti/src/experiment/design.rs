@@ -1,14 +1,18 @@
 //! The search for the best colour filter array.
 
+use std::collections::BTreeMap;
+
 use super::design_search::{Candidate, RIVALS, Search};
 use super::design_store::DesignStore;
 use super::design_task::{DesignTask, Designs};
 use super::{ExperimentError, Progress};
+use crate::camera::CameraError;
 use crate::design::light::LightStatistics;
 use crate::design::screen::Screen;
-use crate::design::search::FilterSearch;
-use crate::design::{DesignError, published};
-use crate::sensor::Mosaic;
+use crate::design::search::{FilterSearch, SampledSpace};
+use crate::design::{DesignError, published, published_filters};
+use crate::sensor::cfa::CfaInfo;
+use crate::sensor::{Filter, Mosaic};
 
 /// Largest tile of a published mosaic that competes.
 const MAX_RIVAL_CELLS: usize = 64;
@@ -59,12 +63,14 @@ pub fn design(
         }
     }
     let mut rivals: Vec<Candidate> = Vec::new();
+    let mut known = BTreeMap::new();
     if task.rivals {
         for colors in RIVAL_COLORS {
             for (info, mosaic) in published(colors)? {
                 if mosaic.cells().len() <= MAX_RIVAL_CELLS {
                     let (name, item) = (info.name.to_owned(), RIVALS + rivals.len() as u32);
-                    rivals.push(Candidate { name, is_published: true, mosaic, first: Vec::new(), item });
+                    let first = vec![own_filters(info, &space, &mut known)?];
+                    rivals.push(Candidate { name, is_published: true, mosaic, first, item });
                 }
             }
         }
@@ -92,6 +98,25 @@ pub fn screens(task: &DesignTask, statistics: &[LightStatistics]) -> Result<Vec<
         return Err(DesignError::key("illuminants", message));
     }
     statistics.iter().map(|s| Screen::new(&task.camera, s, &task.conditions)).collect()
+}
+
+/// The filters of a family that are the nearest to the built-in ones of a published mosaic. `known` has those of the filters before.
+fn own_filters(
+    info: &CfaInfo,
+    space: &SampledSpace,
+    known: &mut BTreeMap<String, Vec<f64>>,
+) -> Result<Vec<Vec<f64>>, DesignError> {
+    let mut nearest = |filter: Filter| {
+        let name = format!("{filter:?}");
+        if let Some(found) = known.get(&name) {
+            return Ok(found.clone());
+        }
+        let wanted = filter.spectrum(space.grid()).map_err(CameraError::from)?;
+        let found = space.nearest(wanted.values());
+        known.insert(name, found.clone());
+        Ok(found)
+    };
+    published_filters(info)?.into_iter().map(&mut nearest).collect()
 }
 
 /// A tile in letters, such as `ab/cd`.

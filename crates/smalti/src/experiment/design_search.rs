@@ -139,8 +139,10 @@ impl<'a> Search<'a> {
         let seed = search.settings.seed;
         let short = FilterSearch { settings: SearchSettings { seed, ..SHORT }, ..*search };
         let has_heats = mosaics.len() > FINALISTS;
-        let of_full = search.settings.starts.div_ceil(2);
-        let heats = if has_heats { mosaics.len() * SHORT.starts.div_ceil(2) } else { 0 };
+        // The better half of the starts is finished: random ones and those that are known.
+        let known = mosaics.iter().map(|m| m.first.len()).max().unwrap_or(0);
+        let of_full = (search.settings.starts + known).div_ceil(2);
+        let heats = if has_heats { mosaics.len() * (SHORT.starts + known).div_ceil(2) } else { 0 };
         self.progress.expect((heats + of_full * mosaics.len().min(FINALISTS)) as u64);
         let is_published = mosaics.first().is_some_and(|m| m.is_published);
         let live = self.live(if is_published { "published mosaics" } else { "mosaics" }.to_owned());

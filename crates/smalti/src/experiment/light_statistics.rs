@@ -11,7 +11,7 @@ use crate::spectrum::{Illuminant, Spectrum};
 /// A gatherer for the light on the pixels of a camera under an illuminant, with components of the reflectances that pipelines learn from.
 ///
 /// # Errors
-/// When the camera bins or has crosstalk, or a setting is out of range.
+/// When the camera has both binning and crosstalk, or a setting is out of range.
 pub fn light_gatherer(
     camera: &Camera,
     illuminant: &Illuminant,
@@ -26,10 +26,11 @@ pub fn light_gatherer(
 }
 
 /// Gathers the statistics of the light on the pixels of a camera, over the default training set under an illuminant or over given scenes,
-/// which have their field of view. Each scene is one step of progress.
+/// which have their field of view. The patches of a camera with crosstalk are one ring of pixels wider than the settings state. Each scene is
+/// one step of progress.
 ///
 /// # Errors
-/// When the camera bins or has crosstalk, a setting is out of range, a scene cannot be built or imaged, or the work is stopped.
+/// When the camera has both binning and crosstalk, a setting is out of range, a scene cannot be built or imaged, or the work is stopped.
 pub fn light_statistics(
     camera: &Camera,
     illuminant: &Illuminant,
@@ -37,7 +38,7 @@ pub fn light_statistics(
     settings: &LightSettings,
     resources: Resources<'_>,
 ) -> Result<LightStatistics, ExperimentError> {
-    let gatherer = light_gatherer(camera, illuminant, settings)?;
+    let gatherer = light_gatherer(camera, illuminant, &settings.around(camera)?)?;
     let mut statistics = gatherer.statistics();
     let progress = resources.progress;
     let mut add = |name: &str, scene: &dyn Fn() -> Result<Scene, ExperimentError>| {

@@ -41,9 +41,10 @@ mod train;
 mod window;
 
 pub(crate) use class_map::ClassMap;
+pub(crate) use pipeline::nearest_saturation;
+pub(crate) use pools::saturation_axis;
 pub(crate) use solved::{
-    ClassPool, PatchCounts, PoolKernels, PoolSource, Solved, Turn, enough, needed_pools, representatives,
-    turns,
+    ClassPool, PatchCounts, PoolKernels, PoolSource, Solved, Turn, needed_pools, representatives, turns,
 };
 
 pub use axes::{Axes, ClassKey, MAX_SIDE, Textures};

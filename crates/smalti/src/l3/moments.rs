@@ -79,7 +79,7 @@ impl Moments {
     }
 
     /// Adds one z `times` times; a z of another length is ignored.
-    pub(super) fn add(&mut self, z: &[f64], times: f64) {
+    pub(crate) fn add(&mut self, z: &[f64], times: f64) {
         if z.len() != self.size {
             return;
         }

@@ -292,7 +292,7 @@ impl Pipeline {
 }
 
 /// Index of the nearest combination of clipped channels: see [`Pipeline::saturation_place`].
-pub(super) fn nearest_saturation(saturations: &[u32], clipped: u32) -> usize {
+pub(crate) fn nearest_saturation(saturations: &[u32], clipped: u32) -> usize {
     let far = |mask: u32| ((mask ^ clipped).count_ones(), std::cmp::Reverse(mask.count_ones()));
     (0..saturations.len()).min_by_key(|&i| far(saturations[i])).unwrap_or(0)
 }

@@ -1,19 +1,24 @@
 //! Moments of one class or of several pooled classes, including patches that are equivalent by symmetry.
 
+use std::collections::BTreeMap;
+
 use super::symmetry::{Isometry, Member, Symmetry};
 use super::{Axes, Class, Moments, Statistics, Textures, pipeline};
 
 /// The combinations of clipped channels on the saturation axis: none clipped, and every combination with at
 /// least a given fraction of all patches. Ascending.
 pub(super) fn kept_saturations(statistics: &Statistics, share: f64) -> Vec<u32> {
-    let least = share * statistics.count() as f64;
-    let mut counts = std::collections::BTreeMap::from([(0, u64::MAX)]);
+    let mut counts = BTreeMap::new();
     for (key, moments) in statistics.classes() {
-        let count = counts.entry(key.saturation).or_insert(0);
-        *count = count.saturating_add(moments.count());
+        *counts.entry(key.saturation).or_insert(0.0) += moments.count() as f64;
     }
-    counts.retain(|_, count| *count > 0 && *count as f64 >= least);
-    counts.into_keys().collect()
+    saturation_axis(&counts, statistics.count() as f64, share)
+}
+
+/// The combinations of clipped channels on the saturation axis, from the number of patches of each and of all patches.
+pub(crate) fn saturation_axis(counts: &BTreeMap<u32, f64>, total: f64, share: f64) -> Vec<u32> {
+    let is_kept = |(mask, count): &(&u32, &f64)| **mask != 0 && **count > 0.0 && **count >= share * total;
+    std::iter::once(0).chain(counts.iter().filter(is_kept).map(|(mask, _)| *mask)).collect()
 }
 
 /// The classes of a position to pool; `None` pools a whole axis.

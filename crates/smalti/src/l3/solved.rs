@@ -58,9 +58,21 @@ impl PatchCounts {
         Self { textures: axes.textures(), classes, groups: Symmetry::of(axes).groups }
     }
 
-    /// Number of patches of a pool around a representative position and those that are equivalent, without repetitions; `even` is the
-    /// number of further flat patches of a level at each position.
-    pub(crate) fn count(&self, position: usize, pool: ClassPool, even: &dyn Fn(usize) -> f64) -> u64 {
+    /// Number of positions that are equivalent to a representative one.
+    pub(crate) fn cells(&self, position: usize) -> usize {
+        let found = self.groups.binary_search_by_key(&position, |(p, _)| *p);
+        let members = found.map_or(&[][..], |at| self.groups[at].1.as_slice());
+        members.iter().map(|m| m.position).collect::<BTreeSet<usize>>().len()
+    }
+
+    /// Number of patches of a pool around a representative position and those that are equivalent, without repetitions; `further` is the
+    /// number of patches of a level and texture that are added at each position, or less than 0.
+    pub(crate) fn count(
+        &self,
+        position: usize,
+        pool: ClassPool,
+        further: &dyn Fn(usize, usize) -> f64,
+    ) -> u64 {
         let found = self.groups.binary_search_by_key(&position, |(p, _)| *p);
         let members = found.map_or(&[][..], |at| self.groups[at].1.as_slice());
         let count = self.textures.count();
@@ -70,7 +82,7 @@ impl PatchCounts {
                 let (level, texture) = (class / count, class % count);
                 let turned = member.isometry.texture(self.textures, texture);
                 if pool.level.is_none_or(|l| l == level) && pool.texture.is_none_or(|t| t == turned) {
-                    all += patches + if texture == 0 { even(level) } else { 0.0 };
+                    all += (patches + further(level, turned)).max(0.0);
                 }
             }
         }
@@ -133,11 +145,6 @@ pub(crate) fn needed_pools(
     let source = Wanted { count, pools: &pools };
     Table::new(position, source, axes, 1, least_patches(axes)).filled(0.0)?;
     Ok(pools.into_inner().unwrap_or_else(PoisonError::into_inner))
-}
-
-/// Patches that a pool needs to have kernels of its own.
-pub(crate) fn enough(axes: &Axes) -> u64 {
-    least_patches(axes)
 }
 
 /// A pipeline whose kernels come from a [`PoolSource`]. It has no classes of saturated patches.

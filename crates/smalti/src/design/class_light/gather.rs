@@ -4,11 +4,12 @@ use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 
+use crate::design::patch_products::{AddPatches, PatchSource};
 use crate::design::pixel_light::PixelLight;
 use crate::l3::{ClassMap, Moments};
 use crate::numeric::Planes;
-use crate::numeric::products::{LANES, add_products};
-use crate::numeric::simd::{Kernel, dispatch};
+use crate::numeric::products::LANES;
+use crate::numeric::simd::dispatch;
 
 /// Patches per partial sum. The parts are added in order, so that the bits do not depend on the number of threads.
 const PART_PATCHES: usize = 4096;
@@ -49,13 +50,20 @@ impl<'a> Gatherer<'a> {
     pub(super) fn moments(&self, class: usize) -> Moments {
         let coefficients = self.side * self.side * self.components;
         let stride = (1 + coefficients + self.targets.len()).next_multiple_of(LANES);
+        let source = PatchSource {
+            values: &self.values,
+            count: self.components,
+            cols: self.cols,
+            side: self.side,
+            targets: &self.targets,
+        };
         let pixels = self.members.get(&class).map_or(&[][..], Vec::as_slice);
         let of_part = |part: &[u32]| {
             let mut sums = vec![0.0; stride * stride];
             let mut batch = vec![0.0; BATCH * stride];
             for pixels in part.chunks(BATCH) {
                 let batch = &mut batch[..pixels.len() * stride];
-                dispatch(AddPatches { gatherer: self, pixels, batch, stride, sums: &mut sums });
+                dispatch(AddPatches { source, pixels, batch, stride, sums: &mut sums });
             }
             sums
         };
@@ -63,38 +71,5 @@ impl<'a> Gatherer<'a> {
         let mut moments = Moments::new(coefficients, self.targets.len());
         parts.iter().for_each(|sums| moments.add_square(sums, stride));
         moments
-    }
-}
-
-/// Adds Σ z zᵀ of some patches.
-struct AddPatches<'a> {
-    gatherer: &'a Gatherer<'a>,
-    pixels: &'a [u32],
-    batch: &'a mut [f64],
-    stride: usize,
-    sums: &'a mut [f64],
-}
-
-impl Kernel for AddPatches<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let Self { gatherer, pixels, batch, stride, sums } = self;
-        let Gatherer { side, components, cols, values, targets, .. } = gatherer;
-        let (half, width) = (side / 2, side * components);
-        for (z, &pixel) in batch.chunks_exact_mut(stride).zip(pixels) {
-            let (row, col) = (pixel as usize / cols, pixel as usize % cols);
-            z.fill(0.0);
-            z[0] = 1.0;
-            for (r, out) in z[1..].chunks_exact_mut(width).take(*side).enumerate() {
-                let first = ((row + r - half) * cols + col - half) * components;
-                out.iter_mut().zip(&values[first..first + width]).for_each(|(o, v)| *o = f64::from(*v));
-            }
-            for (o, plane) in z[1 + side * width..].iter_mut().zip(targets) {
-                *o = f64::from(plane[pixel as usize]);
-            }
-        }
-        add_products(batch, stride, sums);
     }
 }

@@ -1,8 +1,9 @@
 //! The kernels of a design from the statistics of the light, for all pools and positions.
 
+use super::saturated::Saturated;
 use super::statistics::{ClassLight, WIDE, Wide};
 use crate::design::screen::lanes::{Augmented, LANES, Lanes, ZERO, plus_scaled};
-use crate::l3::{ClassPool, PatchCounts, PoolKernels, PoolSource};
+use crate::l3::{ClassPool, Moments, PatchCounts, PoolKernels, PoolSource};
 use crate::numeric::simd::{Kernel, dispatch};
 use crate::sensor::SignalNoise;
 
@@ -43,6 +44,8 @@ pub(in crate::design) struct LightSystem<'a> {
     pub(in crate::design) noise: SignalNoise,
     /// The uniform patches at one of these positions (by index) and in a pool.
     pub(in crate::design) even: &'a (dyn Fn(usize, ClassPool) -> Option<EvenPatches> + Sync),
+    /// The patches that the design saturates.
+    pub(in crate::design) saturated: Saturated,
     /// The numbers of patches of a capture.
     pub(in crate::design) counts: PatchCounts,
 }
@@ -73,11 +76,12 @@ impl ClassLight {
 impl PoolSource for DesignKernels<'_> {
     fn count(&self, position: usize, pool: ClassPool) -> u64 {
         let Ok(at) = self.system.positions.binary_search(&position) else { return 0 };
-        let even = |level| {
-            let flat = ClassPool { level: Some(level), texture: Some(0) };
-            (self.system.even)(at, flat).map_or(0.0, |even| even.count)
+        let further = |level, texture| {
+            let class = ClassPool { level: Some(level), texture: Some(texture) };
+            let even = (self.system.even)(at, class).map_or(0.0, |even| even.count);
+            even - self.system.saturated.count(at, level, texture) * self.system.share
         };
-        self.system.counts.count(position, pool, &even)
+        self.system.counts.count(position, pool, &further)
     }
 
     fn kernels(&self, position: usize, pool: ClassPool) -> Option<PoolKernels> {
@@ -105,6 +109,81 @@ struct Solve<'a> {
     /// A C Aᵀ of a group, by position and pair.
     products: Vec<Wide>,
     kernels: Vec<Option<PoolKernels>>,
+}
+
+/// The signals of eight pools at a position.
+struct Signals {
+    /// Numbers of patches, over all pixels.
+    count: Lanes,
+    /// Mean of each sample.
+    mean: Vec<Lanes>,
+    /// Mean target.
+    target: [Lanes; 3],
+    /// Covariance of each sample with the target.
+    crossed: Vec<[Lanes; 3]>,
+}
+
+impl Signals {
+    /// Those of all patches of the pools from `first` on. Lanes beyond the last pool repeat the first one.
+    #[inline(always)]
+    fn new(light: &ClassLight, system: &LightSystem<'_>, channels: &[usize], first: usize) -> Self {
+        let (taps, k) = (light.taps, light.components);
+        let mut this =
+            Self { count: ZERO, mean: vec![ZERO; taps], target: [ZERO; 3], crossed: vec![[ZERO; 3]; taps] };
+        for lane in 0..LANES {
+            let pooled = &light.pools[if first + lane < light.pools.len() { first + lane } else { first }];
+            this.count[lane] = pooled.count;
+            for o in 0..3 {
+                this.target[o][lane] = pooled.target[o] * system.scale;
+            }
+        }
+        for (i, &channel) in channels.iter().enumerate() {
+            for (a, &f) in system.responses[channel].iter().enumerate() {
+                let place = (first / LANES * taps + i) * k + a;
+                this.mean[i] = plus_scaled(this.mean[i], f, light.means[place]);
+                for o in 0..3 {
+                    let by = f * system.scale;
+                    this.crossed[i][o] = plus_scaled(this.crossed[i][o], by, light.crossed[place][o]);
+                }
+            }
+        }
+        this
+    }
+
+    /// Leaves patches out of the pool in a lane, and out of the covariances of its samples in lane `wide` of `products`. Moments of all patches less those of a part are those of the rest.
+    fn leave_out(&mut self, part: &Moments, lane: usize, wide: usize, products: &mut [Wide]) {
+        let (taps, all, n) = (self.mean.len(), self.count[lane], part.get(0, 0));
+        // Too few patches are left for kernels.
+        if all - n < 1.0 {
+            return;
+        }
+        // The factors of the moments of all and of the part, about their means, and of the product of the difference between these.
+        let (kept, lost) = (all / (all - n), n / (all - n));
+        let between = kept * lost;
+        let mean = |i: usize| part.get(0, 1 + i) / n;
+        let means: Vec<f64> = (0..taps + 3).map(mean).collect();
+        let apart: Vec<f64> = (0..taps).map(|i| self.mean[i][lane] - means[i]).collect();
+        let mut pair = 0;
+        for i in 0..taps {
+            for j in i..taps {
+                let of_part = part.get(1 + i, 1 + j) / n - means[i] * means[j];
+                let value = kept * f64::from(products[pair][wide]) - lost * of_part;
+                products[pair][wide] = (value - between * apart[i] * apart[j]) as f32;
+                pair += 1;
+            }
+            for o in 0..3 {
+                let of_part = part.get(1 + i, 1 + taps + o) / n - means[i] * means[taps + o];
+                let shift = self.target[o][lane] - means[taps + o];
+                let value = kept * self.crossed[i][o][lane] - lost * of_part;
+                self.crossed[i][o][lane] = value - between * apart[i] * shift;
+            }
+            self.mean[i][lane] = kept * self.mean[i][lane] - lost * means[i];
+        }
+        for o in 0..3 {
+            self.target[o][lane] = kept * self.target[o][lane] - lost * means[taps + o];
+        }
+        self.count[lane] = all - n;
+    }
 }
 
 #[inline(always)]
@@ -152,14 +231,22 @@ impl Solve<'_> {
                     let filters = &self.filters[block * k..(block + 1) * k];
                     // The product of the covariance with the filter of j, by component of i.
                     let mut right = [[[0.0f32; WIDE]; FILTERS]; MAX_COMPONENTS];
+                    let count = self.system.responses.len() - block * FILTERS;
                     for (row, right) in covariance.chunks_exact(k).zip(&mut right) {
                         // Written out, since compilers turn a loop over the filters into gathers.
                         let [mut s0, mut s1, mut s2, mut s3] = [[0.0f32; WIDE]; FILTERS];
-                        for (c, f) in row.iter().zip(filters) {
-                            s0 = add_scaled(s0, f[0], *c);
-                            s1 = add_scaled(s1, f[1], *c);
-                            s2 = add_scaled(s2, f[2], *c);
-                            s3 = add_scaled(s3, f[3], *c);
+                        macro_rules! add {
+                            ($($sum:ident $filter:literal),*) => {
+                                for (c, f) in row.iter().zip(filters) {
+                                    $($sum = add_scaled($sum, f[$filter], *c);)*
+                                }
+                            };
+                        }
+                        match count {
+                            1 => add!(s0 0),
+                            2 => add!(s0 0, s1 1),
+                            3 => add!(s0 0, s1 1, s2 2),
+                            _ => add!(s0 0, s1 1, s2 2, s3 3),
                         }
                         *right = [s0, s1, s2, s3];
                     }
@@ -192,26 +279,32 @@ impl Solve<'_> {
         out: &mut [[Lanes; 3]],
     ) {
         let Solve { light, system, products, kernels, .. } = self;
-        let (taps, k) = (light.taps, light.components);
+        let taps = light.taps;
         let channels = &system.channels[position];
         let pairs = taps * (taps + 1) / 2;
-        let products = &products[position * pairs..(position + 1) * pairs];
+        let products = &mut products[position * pairs..(position + 1) * pairs];
         let count = (light.pools.len() - first).min(LANES);
-        // Lanes beyond the last pool repeat it.
-        let lane_of = |lane: usize| first + lane.min(count - 1);
+        let mut signals = Signals::new(light, system, channels, first);
+        for lane in 0..count {
+            let pooled = &light.pools[first + lane];
+            if let Some(saturated) = system.saturated.of(position, pooled.pool) {
+                signals.leave_out(&saturated, lane, half * LANES + lane, products);
+            }
+        }
+        // Lanes beyond the last pool repeat the first one.
+        let lane_of = |lane: usize| first + if lane < count { lane } else { 0 };
         let filters = system.responses.len();
         let (mut share, mut target, mut shift) = (ZERO, [ZERO; 3], [ZERO; 3]);
         let (mut even_mean, mut even) = (vec![ZERO; filters], vec![ZERO; filters * filters]);
         let mut even_crossed = vec![[ZERO; 3]; filters];
         for lane in 0..LANES {
-            let pooled = &light.pools[lane_of(lane)];
-            let own = pooled.count * system.share;
-            let mine = pooled.target.map(|t| t * system.scale);
+            let own = signals.count[lane] * system.share;
+            let mine = [0, 1, 2].map(|o| signals.target[o][lane]);
             share[lane] = 1.0;
             for o in 0..3 {
                 target[o][lane] = mine[o];
             }
-            if let Some(uniform) = (system.even)(position, pooled.pool) {
+            if let Some(uniform) = (system.even)(position, light.pools[lane_of(lane)].pool) {
                 let w = own / (own + uniform.count);
                 share[lane] = w;
                 for c in 0..filters {
@@ -236,21 +329,7 @@ impl Solve<'_> {
         }
         let (mut mean, mut apart) = (vec![ZERO; taps], vec![ZERO; taps]);
         for (i, &channel) in channels.iter().enumerate() {
-            let response = &system.responses[channel];
-            let (mut own, mut crossed) = (ZERO, [ZERO; 3]);
-            for (a, &f) in response.iter().enumerate() {
-                let (mut m, mut c) = (ZERO, [ZERO; 3]);
-                for lane in 0..LANES {
-                    m[lane] = light.means[lane_of(lane)][i * k + a];
-                    for o in 0..3 {
-                        c[o][lane] = light.crossed[lane_of(lane)][i * k + a][o];
-                    }
-                }
-                own = plus_scaled(own, f, m);
-                for o in 0..3 {
-                    crossed[o] = plus_scaled(crossed[o], f * system.scale, c[o]);
-                }
-            }
+            let (own, crossed) = (signals.mean[i], signals.crossed[i]);
             for lane in 0..LANES {
                 let w = share[lane];
                 mean[i][lane] = w * own[lane] + (1.0 - w) * even_mean[channel][lane];

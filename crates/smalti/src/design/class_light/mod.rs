@@ -14,9 +14,11 @@ mod gather;
 // Indices that several arrays share read better than zipped iterators, and become vector code.
 #[allow(clippy::needless_range_loop)]
 mod kernel;
+mod saturated;
 mod statistics;
 #[cfg(test)]
 mod tests;
 
 pub(super) use kernel::{EvenPatches, LightSystem};
+pub(super) use saturated::{BrightScene, Saturated};
 pub(super) use statistics::ClassLight;

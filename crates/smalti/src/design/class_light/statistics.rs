@@ -4,14 +4,14 @@ use std::collections::BTreeSet;
 
 use crate::camera::CameraError;
 use crate::l3::{
-    Axes, ClassMap, ClassPool, L3Error, Moments, PatchCounts, Turn, enough, needed_pools, representatives,
-    turns,
+    Axes, ClassMap, ClassPool, L3Error, Moments, PatchCounts, Turn, needed_pools, representatives, turns,
 };
 use crate::numeric::Planes;
 use crate::sensor::RawImage;
 
 use super::gather::Gatherer;
 use crate::design::pixel_light::PixelLight;
+use crate::design::screen::lanes::{LANES, Lanes, ZERO};
 
 /// Pools per vector in single precision.
 pub(super) const WIDE: usize = 16;
@@ -29,15 +29,19 @@ pub(in crate::design) struct ClassLight {
     pub(super) groups: usize,
     /// Covariances of pixels i ≤ j, by group, pair, and the components of i and j.
     pub(super) covariances: Vec<Wide>,
-    /// By lane, then pixel and component.
-    pub(super) means: Vec<Vec<f64>>,
-    /// Covariances of a pixel with X, Y, Z of the middle one, by lane, then pixel and component.
-    pub(super) crossed: Vec<Vec<[f64; 3]>>,
+    /// Means, by half a group, then pixel and component.
+    pub(super) means: Vec<Lanes>,
+    /// Covariances of a pixel with X, Y, Z of the middle one, by half a group, then pixel and component.
+    pub(super) crossed: Vec<[Lanes; 3]>,
     /// Mean responses of the neutral array relative to white, smallest and largest.
     pub(super) range: [f32; 2],
     /// Number of pixels by level and texture.
     pub(super) counts: Vec<f64>,
     pub(super) textures: usize,
+    /// The classes of the pixels.
+    pub(super) map: ClassMap,
+    /// The rotations and reflections of the mosaic.
+    pub(super) turns: Vec<Turn>,
 }
 
 /// A pool of classes.
@@ -79,39 +83,36 @@ impl ClassLight {
             range: map.range.map(|r| r / white),
             counts,
             textures,
+            map,
+            turns: turns(axes),
         };
         let pools = this.needed_pools(axes, even_patches)?;
-        let turns = turns(axes);
         let of_class: Vec<Moments> = (0..levels * textures).map(|class| gatherer.moments(class)).collect();
         this.groups = pools.len().div_ceil(WIDE);
         let pairs = taps * (taps + 1) / 2;
+        let halves = this.groups * (WIDE / LANES) * taps * components;
+        (this.means, this.crossed) = (vec![ZERO; halves], vec![[ZERO; 3]; halves]);
         this.covariances = vec![[0.0; WIDE]; this.groups * pairs * components * components];
         for (lane, pool) in pools.into_iter().enumerate() {
-            let moments = this.moments(pool, &of_class, &turns);
+            let moments = this.moments(pool, &of_class);
             this.fill(lane, pool, &moments);
         }
         Ok(this)
     }
 
     /// The pools that pipelines need. Classes of flat patches may have kernels of their own thanks to the uniform patches of a design, or
-    /// not; all pools are included that may be needed.
+    /// not, and a design leaves the patches out that it saturates; all pools are included that may be needed.
     fn needed_pools(&self, axes: &Axes, even_patches: f64) -> Result<BTreeSet<ClassPool>, L3Error> {
         let counts = self.patch_counts(axes);
         let mut pools = BTreeSet::new();
         for position in representatives(axes) {
             for even in [0.0, even_patches] {
-                pools.extend(needed_pools(axes, position, &|pool| counts.count(position, pool, &|_| even))?);
-            }
-            for level in 0..axes.level_count() {
-                let of = |texture| ClassPool { level: Some(level), texture };
-                let count = |pool, even: f64| counts.count(position, pool, &|_| even);
-                let is_rare = count(of(Some(0)), 0.0) < enough(axes);
-                if is_rare && count(of(None), even_patches) >= enough(axes) {
-                    pools.insert(of(None));
-                }
+                let further = |_, texture| if texture == 0 { even } else { 0.0 };
+                pools.extend(needed_pools(axes, position, &|pool| counts.count(position, pool, &further))?);
             }
         }
-        pools.insert(ClassPool { level: None, texture: None });
+        let levels = (0..axes.level_count()).map(Some).chain([None]);
+        pools.extend(levels.map(|level| ClassPool { level, texture: None }));
         Ok(pools)
     }
 
@@ -131,10 +132,10 @@ impl ClassLight {
     }
 
     /// The moments of a pool, averaged over the rotations and reflections of the mosaic; `of_class` has those of each class.
-    fn moments(&self, pool: ClassPool, of_class: &[Moments], turns: &[Turn]) -> Moments {
+    fn moments(&self, pool: ClassPool, of_class: &[Moments]) -> Moments {
         let k = self.components;
         let mut sum = Moments::new(self.taps * k, 3);
-        for turn in turns {
+        for turn in &self.turns {
             let mut places: Vec<usize> = (0..sum.size()).collect();
             for (tap, to) in turn.taps.iter().enumerate() {
                 (0..k).for_each(|c| places[1 + tap * k + c] = 1 + to * k + c);
@@ -148,7 +149,7 @@ impl ClassLight {
                 }
             }
         }
-        sum.divide(turns.len() as f64);
+        sum.divide(self.turns.len() as f64);
         sum
     }
 
@@ -173,9 +174,18 @@ impl ClassLight {
                 }
             }
         }
-        let crossed = (0..width).map(|i| [0, 1, 2].map(|o| covariance(i, width + o))).collect();
-        self.crossed.push(crossed);
+        // The unused lanes of half a group repeat its first pool, so that they can be solved as well.
+        let (half, lane) = (lane / LANES, lane % LANES);
+        for (i, &mean) in mean.iter().enumerate().take(width) {
+            let place = half * width + i;
+            let lanes = if lane == 0 { 0..LANES } else { lane..lane + 1 };
+            for lane in lanes {
+                self.means[place][lane] = mean;
+                for o in 0..3 {
+                    self.crossed[place][o][lane] = covariance(i, width + o);
+                }
+            }
+        }
         self.pools.push(Pooled { pool, count, target: [0, 1, 2].map(|o| mean[width + o]) });
-        self.means.push(mean[..width].to_vec());
     }
 }

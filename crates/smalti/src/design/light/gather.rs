@@ -10,10 +10,11 @@ use super::{ClassColors, LightClass, LightSettings, LightStatistics, SpectralBas
 use crate::camera::chart::LUMINANCE;
 use crate::camera::stable_text::stable_text;
 use crate::camera::{Camera, CameraError, ScoreSettings};
+use crate::design::patch_products::{AddPatches, PatchSource};
 use crate::l3::Moments;
 use crate::numeric::dense::dot;
-use crate::numeric::products::{LANES, add_products};
-use crate::numeric::simd::{Kernel, dispatch};
+use crate::numeric::products::LANES;
+use crate::numeric::simd::dispatch;
 use crate::scene::{self, Scene, Setting};
 use crate::sensor::PixelSpectra;
 use crate::spectrum::{Illuminant, Observer, Spectrum};
@@ -52,7 +53,7 @@ impl LightGatherer {
     /// the illuminant, from which the components are made.
     ///
     /// # Errors
-    /// When a setting is out of range, or the camera bins, has crosstalk or sees no light.
+    /// When a setting is out of range, or the camera sees no light or has both binning and crosstalk.
     pub fn new(
         camera: &Camera,
         illuminant: &Illuminant,
@@ -60,14 +61,14 @@ impl LightGatherer {
         settings: &LightSettings,
     ) -> Result<Self, DesignError> {
         settings.validate()?;
-        if camera.sensor.binning.is_some() {
-            let message = "the light of binned photodiodes cannot be described yet; state a camera whose pixels are as large as the blocks";
-            return Err(DesignError::key("sensor.binning", message));
-        }
-        if camera.sensor.crosstalk.is_some() {
-            let message = "crosstalk mixes the light of neighbouring filters, which the closed form does not describe yet; search with \"sensor.crosstalk_percent\" = 0 in [set], and compare the array on the camera itself";
+        let mut camera = camera.clone();
+        if camera.sensor.binning.is_some() && camera.sensor.crosstalk.is_some() {
+            let message = "crosstalk between photodiodes that are binned is not described; search with \"sensor.crosstalk_percent\" = 0 in [set], and compare the array on the camera itself";
             return Err(DesignError::key("sensor.crosstalk", message));
         }
+        // The light before crosstalk, which mixes what filters have passed.
+        camera.sensor.crosstalk = None;
+        let camera = &camera;
         let grid = camera.grid();
         let basis = SpectralBasis::new(camera, spectra, settings.max_components, settings.max_left_out)?;
         let light = illuminant.photons(grid).map_err(CameraError::from)?;
@@ -106,8 +107,11 @@ impl LightGatherer {
         let small = camera.with_size(1, 1);
         let image = small.optics.image(&white).map_err(CameraError::from)?;
         let pixel = PixelSpectra::new(&small.sensor, &image).map_err(CameraError::from)?;
+        // A sample has the light of all its photodiodes, which is the same for each.
+        let photodiodes = camera.sensor.photodiodes_per_sample();
         let spectrum =
             pixel.spectrum(0, 0).ok_or(CameraError::Sensor(crate::sensor::SensorError::NoLight))?;
+        let spectrum = spectrum.scaled(photodiodes).map_err(CameraError::from)?;
         let unit = dot(&gatherer.luminance, spectrum.values());
         gatherer.luminance.iter_mut().for_each(|w| *w /= unit);
         gatherer.empty.white_coefficients =
@@ -157,7 +161,9 @@ impl LightGatherer {
     /// The coefficients of every pixel, per cd/m² of the mean luminance of the scene.
     fn coefficients(&self, pixels: &PixelSpectra, luminance_cd_m2: f64) -> Result<Coefficients, DesignError> {
         let window = pixels.window();
-        let (rows, cols, count) = (window.rows, window.cols, self.analysis.len());
+        // Photodiodes along the side of a sample.
+        let side = self.camera.sensor.binning_side();
+        let (rows, cols, count) = (window.rows / side, window.cols / side, self.analysis.len());
         let analysis: Vec<Vec<f32>> =
             self.analysis.iter().map(|a| a.iter().map(|v| *v as f32).collect()).collect();
         let luminance: Vec<f32> = self.luminance.iter().map(|v| *v as f32).collect();
@@ -167,8 +173,15 @@ impl LightGatherer {
             let mut add = |at: usize, weights: &[f32]| {
                 let line = &mut lines[at * cols..(at + 1) * cols];
                 for (i, &w) in weights.iter().enumerate() {
-                    let light = pixels.line(window.row + r, i);
-                    line.iter_mut().zip(light).for_each(|(sum, l)| *sum += w * l);
+                    for of_block in 0..side {
+                        let light = pixels.line(window.row + r * side + of_block, i);
+                        if side == 1 {
+                            line.iter_mut().zip(light).for_each(|(sum, l)| *sum += w * l);
+                            continue;
+                        }
+                        let blocks = line.iter_mut().zip(light.chunks_exact(side));
+                        blocks.for_each(|(sum, block)| *sum += w * block.iter().sum::<f32>());
+                    }
                 }
             };
             analysis.iter().enumerate().for_each(|(k, weights)| add(k, weights));
@@ -265,16 +278,22 @@ impl LightGatherer {
 
     /// Σ z zᵀ over patches.
     fn moments(&self, light: &Coefficients, patches: &[u32]) -> Moments {
-        let side = self.empty.settings.side;
         let coefficients = self.empty.coefficients();
         let stride = (1 + coefficients).next_multiple_of(LANES);
+        let source = PatchSource {
+            values: &light.values,
+            count: light.count,
+            cols: light.cols,
+            side: self.empty.settings.side,
+            targets: &[],
+        };
         let of_part = |part: &[u32]| {
             let mut sums = vec![0.0; stride * stride];
             let count = (BATCH / stride).max(1);
             let mut batch = vec![0.0; count * stride];
             for pixels in part.chunks(count) {
                 let batch = &mut batch[..pixels.len() * stride];
-                dispatch(AddPatches { light, side, pixels, batch, stride, sums: &mut sums });
+                dispatch(AddPatches { source, pixels, batch, stride, sums: &mut sums });
             }
             sums
         };
@@ -299,9 +318,13 @@ impl LightGatherer {
     }
 }
 
-/// The parts of a sensor that collect light.
-fn geometry(camera: &Camera) -> [f64; 2] {
-    [camera.sensor.pixel.pitch_m, camera.sensor.pixel.photodetector_area_m2()]
+/// The parts of a sensor that collect light: the pitch of its samples, the area of a photodetector and, if they are several, the
+/// photodiodes of a sample.
+fn geometry(camera: &Camera) -> Vec<f64> {
+    let sensor = &camera.sensor;
+    let mut all = vec![sensor.pixel.pitch_m, sensor.pixel.photodetector_area_m2()];
+    all.extend(sensor.binning.map(|_| sensor.photodiodes_per_sample()));
+    all
 }
 
 /// The luminance that all but the share of [`ScoreSettings`] of the pixels do not exceed.
@@ -310,35 +333,4 @@ fn white_level(y: &[f32]) -> f64 {
     let last = sorted.len().saturating_sub(1);
     let at = (last as f64 * (1.0 - ScoreSettings::default().highlight_share)) as usize;
     f64::from(*sorted.select_nth_unstable_by(at, f32::total_cmp).1)
-}
-
-/// Adds Σ z zᵀ of some patches.
-struct AddPatches<'a> {
-    light: &'a Coefficients,
-    side: usize,
-    pixels: &'a [u32],
-    batch: &'a mut [f64],
-    stride: usize,
-    sums: &'a mut [f64],
-}
-
-impl Kernel for AddPatches<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let Self { light, side, pixels, batch, stride, sums } = self;
-        let (half, width) = (side / 2, side * light.count);
-        for (z, &pixel) in batch.chunks_exact_mut(stride).zip(pixels) {
-            let (row, col) = (pixel as usize / light.cols, pixel as usize % light.cols);
-            z.fill(0.0);
-            z[0] = 1.0;
-            for (r, out) in z[1..].chunks_exact_mut(width).take(side).enumerate() {
-                let first = ((row + r - half) * light.cols + col - half) * light.count;
-                let line = &light.values[first..first + width];
-                out.iter_mut().zip(line).for_each(|(o, v)| *o = f64::from(*v));
-            }
-        }
-        add_products(batch, stride, sums);
-    }
 }

@@ -23,6 +23,7 @@ pub use gather::LightGatherer;
 pub use parts::{ClassParts, LightParts};
 
 use super::error::DesignError;
+use crate::camera::Camera;
 use crate::l3::Moments;
 
 /// Settings of [`LightStatistics`].
@@ -30,7 +31,7 @@ use crate::l3::Moments;
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct LightSettings {
-    /// Side of the patch, pixels: 3, 5 or 7.
+    /// Side of the patch, pixels: 3, 5, 7 or 9. Statistics for a camera with crosstalk have two more than the samples of its patches.
     pub side: usize,
     /// Greatest number of spectral components, 3 to 12.
     pub max_components: usize,
@@ -50,6 +51,21 @@ impl Default for LightSettings {
 }
 
 impl LightSettings {
+    /// The settings of the statistics for a camera: with crosstalk, the light of one more ring of pixels reaches the samples of a patch.
+    ///
+    /// # Errors
+    /// [`DesignError::Key`] when the patch would be too large.
+    pub fn around(&self, camera: &Camera) -> Result<Self, DesignError> {
+        if camera.sensor.crosstalk.is_none() {
+            return Ok(self.clone());
+        }
+        if self.side > 7 {
+            let message = format!("{}; expected at most 7 pixels for a camera with crosstalk", self.side);
+            return Err(DesignError::key("light.side", message));
+        }
+        Ok(Self { side: self.side + 2, ..self.clone() })
+    }
+
     /// Checks every field.
     ///
     /// # Errors
@@ -58,7 +74,7 @@ impl LightSettings {
         let range = |key, fits: bool, found: f64, expected: &str| {
             if fits { Ok(()) } else { Err(DesignError::key(key, format!("{found}; expected {expected}"))) }
         };
-        range("side", [3, 5, 7].contains(&self.side), self.side as f64, "3, 5 or 7 pixels")?;
+        range("side", [3, 5, 7, 9].contains(&self.side), self.side as f64, "3, 5, 7 or 9 pixels")?;
         let components = self.max_components;
         range("max_components", (3..=12).contains(&components), components as f64, "3 to 12")?;
         range("max_left_out", (0.0..=0.1).contains(&self.max_left_out), self.max_left_out, "0 to 0.1")?;

@@ -12,6 +12,7 @@ use serde::{Deserialize, Serialize};
 pub use group::Symmetry;
 pub(super) use interchange::distinct;
 pub use published::published;
+pub(crate) use published::published_filters;
 pub(super) use request::MosaicRequest;
 use request::{THIS_TILE, sampled};
 pub use tile::Tile;

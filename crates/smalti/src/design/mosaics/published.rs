@@ -27,14 +27,8 @@ pub fn published(colors: usize) -> Result<Vec<(&'static CfaInfo, Mosaic)>, Desig
         if letters.len() != colors {
             continue;
         }
-        let mut places = Vec::new();
-        for (channel, letter) in letters.iter().enumerate() {
-            let filter = entry.filters.iter().find(|(l, _)| l == letter).map_or("", |(_, f)| f);
-            places.push((mean_wavelength_nm(&Filter::Builtin(filter.into()))?, channel));
-        }
-        places.sort_by(|a, b| a.0.total_cmp(&b.0));
         let mut rank = vec![0u8; colors];
-        places.iter().zip(0..).for_each(|(&(_, channel), place)| rank[channel] = place);
+        ordered(entry, &letters)?.iter().zip(0..).for_each(|((channel, _), place)| rank[*channel] = place);
         let cells = mosaic.cells().iter().map(|&c| rank[usize::from(c)]).collect();
         let mosaic = Mosaic::new(mosaic.rows(), mosaic.cols(), cells)?;
         let canonical = mosaic.canonical();
@@ -43,4 +37,25 @@ pub fn published(colors: usize) -> Result<Vec<(&'static CfaInfo, Mosaic)>, Desig
         }
     }
     Ok(found)
+}
+
+/// The built-in filters of an entry of [`published`], channel by channel of its mosaic there.
+///
+/// # Errors
+/// Never for the entries of the catalogue.
+pub(crate) fn published_filters(entry: &CfaInfo) -> Result<Vec<Filter>, DesignError> {
+    let (_, letters) = Mosaic::from_letters(entry.fixed_pattern().unwrap_or_default())?;
+    Ok(ordered(entry, &letters)?.into_iter().map(|(_, filter)| filter).collect())
+}
+
+/// The filters of the letters of an entry in ascending order of their mean wavelengths, each with the number of its letter.
+fn ordered(entry: &CfaInfo, letters: &[char]) -> Result<Vec<(usize, Filter)>, DesignError> {
+    let mut places = Vec::new();
+    for (channel, letter) in letters.iter().enumerate() {
+        let name = entry.filters.iter().find(|(l, _)| l == letter).map_or("", |(_, f)| f);
+        let filter = Filter::Builtin(name.into());
+        places.push((mean_wavelength_nm(&filter)?, channel, filter));
+    }
+    places.sort_by(|a, b| a.0.total_cmp(&b.0));
+    Ok(places.into_iter().map(|(_, channel, filter)| (channel, filter)).collect())
 }

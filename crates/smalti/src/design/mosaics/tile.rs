@@ -30,7 +30,11 @@ pub struct Tile {
 }
 
 impl Tile {
-    fn group(&self) -> Result<Group, DesignError> {
+    /// Checks size and symmetry.
+    ///
+    /// # Errors
+    /// [`DesignError::Key`] when the tile has no cell or more than 1024, or rotation is asked of a tile that is not square.
+    pub fn validate(&self) -> Result<(), DesignError> {
         let Self { rows, cols, symmetry } = *self;
         if !rows.checked_mul(cols).is_some_and(|n| (1..=MAX_CELLS).contains(&n)) {
             let message = format!("{rows} × {cols} cells; expected 1 to {MAX_CELLS}");
@@ -40,7 +44,12 @@ impl Tile {
             let message = format!("rotation needs a square tile, and this one is {rows} × {cols}");
             return Err(DesignError::key("tile.symmetry", message));
         }
-        Ok(Group::new(rows, cols, symmetry))
+        Ok(())
+    }
+
+    fn group(&self) -> Result<Group, DesignError> {
+        self.validate()?;
+        Ok(Group::new(self.rows, self.cols, self.symmetry))
     }
 
     /// Burnside's lemma: the mean over the group of the number of placements that an element fixes.

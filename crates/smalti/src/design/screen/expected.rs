@@ -6,7 +6,6 @@ use super::condition::Level;
 use super::figures::Figures;
 use super::kernel::{self, ErrorCovariances};
 use super::lanes::{LANES, Lanes};
-use super::layout::Layout;
 use super::model::Screen;
 use super::responses::FilterResponses;
 use crate::design::error::DesignError;
@@ -53,7 +52,7 @@ impl Screen {
         sets: &[FilterResponses],
         figures: Figures,
     ) -> Vec<Vec<ExpectedError>> {
-        let layout = Layout::new(self.side, mosaic);
+        let layout = self.layout(mosaic);
         let fitted: Vec<FilterResponses> =
             sets.iter().map(|s| s.fitted(layout.filters(), self.components).into_owned()).collect();
         let of_set = |(responses, errors): (&FilterResponses, Vec<ErrorCovariances>)| {

@@ -226,7 +226,7 @@ mod tests {
     #[test]
     fn noise_is_that_of_pictures_behind_the_filters_of_scielab() {
         let mosaic = Mosaic::new(2, 3, vec![0, 1, 2, 3, 1, 0]).unwrap();
-        let layout = Layout::new(SIDE, &mosaic);
+        let layout = Layout::new(SIDE, 0, &mosaic);
         let (noise, xyz, of_filter) = random_noise(&layout, &mosaic);
         let found = Eye::new(SIDE).unwrap().noise(&layout, &noise);
         let scielab = Scielab::new(ScoreSettings::default().samples_per_degree, DeltaE::Ciede2000);
@@ -257,7 +257,7 @@ mod tests {
     #[test]
     fn the_derivative_is_that_of_finite_differences() {
         let mosaic = Mosaic::new(2, 2, vec![0, 1, 2, 1]).unwrap();
-        let layout = Layout::new(SIDE, &mosaic);
+        let layout = Layout::new(SIDE, 0, &mosaic);
         let (noise, xyz, _) = random_noise(&layout, &mosaic);
         let eye = Eye::new(SIDE).unwrap();
         let phi = [[1.0, 0.3, -0.2], [0.3, 2.0, 0.5], [-0.2, 0.5, 0.7]];

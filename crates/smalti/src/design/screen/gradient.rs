@@ -72,7 +72,7 @@ impl Screen {
         responses: &FilterResponses,
         figures: Figures,
     ) -> Differentiable<'_> {
-        let layout = Layout::new(self.side, mosaic);
+        let layout = self.layout(mosaic);
         let responses = responses.fitted(layout.filters(), self.components).into_owned();
         let mut forward = Forward::new(self, layout, responses, figures);
         dispatch(&mut forward);
@@ -234,14 +234,14 @@ impl Kernel for &mut Forward<'_> {
     #[inline(always)]
     fn run(self) {
         let (screen, layout) = (self.screen, &self.layout);
-        let (positions, count, k) = (layout.positions(), pairs(screen.taps), screen.components);
+        let (positions, count, k) = (layout.positions(), pairs(screen.light_taps), screen.components);
         let mut products = vec![ZERO; positions * count];
         let mut system = System::new(screen);
         let mut right = vec![[ZERO; MAX_COMPONENTS]; layout.filters()];
         for group in 0..screen.groups {
             let mut pair = 0;
-            for i in 0..screen.taps {
-                for j in i..screen.taps {
+            for i in 0..screen.light_taps {
+                for j in i..screen.light_taps {
                     let covariance = &screen.covariances[(pair * screen.groups + group) * k * k..][..k * k];
                     for (response, right) in self.responses.0.iter().zip(&mut right) {
                         times(covariance, &response[..k], false, right);
@@ -260,13 +260,13 @@ impl Kernel for &mut Forward<'_> {
                 }
             }
             for position in 0..positions {
-                system.gather(screen, &self.responses, layout.at(position), group);
+                let products = &products[position * count..(position + 1) * count];
+                system.gather(screen, &self.responses, layout.at(position), group, products);
                 let first = self.at(0, position, group);
                 self.means[first..first + screen.taps].copy_from_slice(&system.means);
                 for (level, condition) in screen.levels.iter().enumerate() {
                     let time_s = condition.time_s(&screen.white, &self.responses);
-                    let products = &products[position * count..(position + 1) * count];
-                    system.factor(products, &screen.targets[group], condition, condition.scale(time_s));
+                    system.factor(&screen.targets[group], condition, condition.scale(time_s));
                     let at = position * screen.groups + group;
                     self.errors[level].pixels[at] = system.matrix.complement();
                     let first = self.at(level, position, group);
@@ -367,6 +367,9 @@ impl Kernel for &mut Backward<'_> {
         let count = pairs(taps);
         let mut outer = vec![ZERO; positions * count];
         let mut weighted = vec![[ZERO; 3]; taps];
+        // By sample and pixel: the derivatives with respect to its mean and its covariances with the target, over all conditions.
+        let (mut by_sample, mut by_pixel) = (vec![[ZERO; 4]; taps], vec![[ZERO; 4]; screen.light_taps]);
+        let mut pixel_pairs = vec![ZERO; positions * pairs(screen.light_taps)];
         let filters = layout.filters();
         let (mut straight, mut transposed) =
             (vec![[ZERO; MAX_COMPONENTS]; filters], vec![[ZERO; MAX_COMPONENTS]; filters]);
@@ -375,7 +378,7 @@ impl Kernel for &mut Backward<'_> {
             let of_eye: Vec<Option<OfEye>> =
                 (0..screen.levels.len()).map(|level| self.of_eye(level, group)).collect();
             for position in 0..positions {
-                let filter = layout.at(position);
+                by_sample.fill([ZERO; 4]);
                 let first = forward.at(0, position, group);
                 let means = &forward.means[first..first + taps];
                 for (level, condition) in screen.levels.iter().enumerate() {
@@ -424,40 +427,57 @@ impl Kernel for &mut Backward<'_> {
                                     sum = plus_scaled(sum, 1.0, eye.by_variance[position * taps + i]);
                                 }
                                 // The variance of the noise: dark + μ per_e + μ² per_e².
-                                let gradient = &mut self.by_response[usize::from(filter[i])];
-                                let means_at = (i * screen.groups + group) * k;
-                                let mut by_mean = ZERO;
                                 for lane in 0..LANES {
                                     let mean = means[i][lane];
                                     let slope = per_e + 2.0 * condition.per_e2 * mean;
-                                    by_mean[lane] = if mean > 0.0 { sum[lane] * slope } else { 0.0 };
+                                    by_sample[i][0][lane] += if mean > 0.0 { sum[lane] * slope } else { 0.0 };
                                     self.by_scale[level] -= sum[lane] * (mean * per_e + 2.0 * dark) / scale;
-                                }
-                                for (a, g) in gradient.iter_mut().enumerate() {
-                                    *g = plus(*g, by_mean, screen.means[means_at + a]);
                                 }
                             }
                             pair += 1;
                         }
-                        let gradient = &mut self.by_response[usize::from(filter[i])];
-                        let crossed_at = (i * screen.groups + group) * k;
-                        for (a, g) in gradient.iter_mut().enumerate() {
-                            let mut sum = ZERO;
-                            for c in 0..3 {
-                                let mut weight = weighted[i][c];
-                                if let Some(change) = change {
-                                    weight = plus_scaled(weight, -0.5, change[i][c]);
-                                }
-                                sum = plus(sum, weight, screen.crossed[crossed_at + a][c]);
+                        for (c, sum) in by_sample[i][1..].iter_mut().enumerate() {
+                            *sum = plus_scaled(*sum, -2.0, weighted[i][c]);
+                            if let Some(change) = change {
+                                *sum = plus_scaled(*sum, 1.0, change[i][c]);
                             }
-                            *g = plus_scaled(*g, -2.0, sum);
+                        }
+                    }
+                }
+                let by_pixel = match &screen.crosstalk {
+                    Some(crosstalk) => {
+                        crosstalk.pixels(&by_sample, &mut by_pixel);
+                        &by_pixel
+                    }
+                    None => &by_sample,
+                };
+                for (i, ([by_mean, by_crossed @ ..], filter)) in
+                    by_pixel.iter().zip(layout.at(position)).enumerate()
+                {
+                    let at = (i * screen.groups + group) * k;
+                    for (a, g) in self.by_response[usize::from(*filter)].iter_mut().enumerate() {
+                        *g = plus(*g, *by_mean, screen.means[at + a]);
+                        for (c, by) in by_crossed.iter().enumerate() {
+                            *g = plus(*g, *by, screen.crossed[at + a][c]);
                         }
                     }
                 }
             }
+            let (outer, count) = match &screen.crosstalk {
+                Some(crosstalk) => {
+                    let count = pairs(screen.light_taps);
+                    for position in 0..positions {
+                        let from = &outer[position * pairs(taps)..(position + 1) * pairs(taps)];
+                        let to = &mut pixel_pairs[position * count..(position + 1) * count];
+                        crosstalk.pixel_pairs(from, to);
+                    }
+                    (&pixel_pairs, count)
+                }
+                None => (&outer, count),
+            };
             let mut pair = 0;
-            for i in 0..taps {
-                for j in i..taps {
+            for i in 0..screen.light_taps {
+                for j in i..screen.light_taps {
                     let covariance = &screen.covariances[(pair * screen.groups + group) * k * k..][..k * k];
                     for (filter, response) in forward.responses.0.iter().enumerate() {
                         times(covariance, &response[..k], false, &mut straight[filter]);

@@ -65,7 +65,7 @@ struct Errors<'a> {
     layout: &'a Layout,
     sets: &'a [FilterResponses],
     padded: Vec<Vec<[f64; FILTERS]>>,
-    /// A C Aᵀ of a group, by set, position and pair.
+    /// A C Aᵀ of a group, by set, position and pair of pixels.
     products: Vec<Lanes>,
     /// The best estimates of a position.
     estimates: Vec<[Lanes; 3]>,
@@ -84,7 +84,7 @@ impl<'a> Errors<'a> {
             layout,
             sets,
             padded: sets.iter().map(|s| padded(s, screen.components)).collect(),
-            products: vec![ZERO; sets.len() * positions * pairs(screen.taps)],
+            products: vec![ZERO; sets.len() * positions * pairs(screen.light_taps)],
             estimates: vec![[ZERO; 3]; screen.taps],
             noise: (0..levels).map(|_| SampleNoise::new(layout)).collect(),
             out: vec![vec![of_level; screen.levels.len()]; sets.len()],
@@ -98,13 +98,13 @@ impl Kernel for &mut Errors<'_> {
     #[inline(always)]
     fn run(self) {
         let (screen, layout) = (self.screen, self.layout);
-        let (positions, count) = (layout.positions(), pairs(screen.taps));
+        let (positions, count) = (layout.positions(), pairs(screen.light_taps));
         let mut system = System::new(screen);
         for group in 0..screen.groups {
             self.products.fill(ZERO);
             let mut pair = 0;
-            for i in 0..screen.taps {
-                for j in i..screen.taps {
+            for i in 0..screen.light_taps {
+                for j in i..screen.light_taps {
                     for (set, padded) in self.padded.iter().enumerate() {
                         let out = &mut self.products[set * positions * count..(set + 1) * positions * count];
                         add_pair(screen, layout, padded, [group, pair, i, j], &mut |p, value| {
@@ -116,12 +116,12 @@ impl Kernel for &mut Errors<'_> {
             }
             for (set, responses) in self.sets.iter().enumerate() {
                 for position in 0..positions {
-                    system.gather(screen, responses, layout.at(position), group);
                     let products = &self.products[(set * positions + position) * count..][..count];
+                    system.gather(screen, responses, layout.at(position), group, products);
                     for (level, condition) in screen.levels.iter().enumerate() {
                         let time_s = condition.time_s(&screen.white, responses);
                         let scale = condition.scale(time_s);
-                        system.factor(products, &screen.targets[group], condition, scale);
+                        system.factor(&screen.targets[group], condition, scale);
                         let at = position * screen.groups + group;
                         let out = &mut self.out[set][level];
                         out.pixels[at] = system.matrix.complement();
@@ -217,13 +217,19 @@ fn add_pair(
 /// Largest number of spectral components.
 pub(super) const MAX_COMPONENTS: usize = 12;
 
-/// The system of a position: its signals, their covariances with the target, and the factored matrix.
+/// The system of a position: its signals, their covariances with each other and with the target, and the factored matrix.
 pub(super) struct System {
     pub(super) matrix: Augmented,
     /// Covariance of each sample with X, Y, Z of the middle pixel.
     crossed: Vec<[Lanes; 3]>,
     /// Mean electrons per second of each sample, per cd/m², at least 0.
     pub(super) means: Vec<Lanes>,
+    /// Covariances of the samples, by pair.
+    products: Vec<Lanes>,
+    /// Mean of each pixel and its covariance with X, Y, Z, before crosstalk.
+    pixels: Vec<[Lanes; 4]>,
+    /// The same after crosstalk.
+    samples: Vec<[Lanes; 4]>,
 }
 
 impl System {
@@ -232,10 +238,13 @@ impl System {
             matrix: Augmented::new(screen.taps),
             crossed: vec![[ZERO; 3]; screen.taps],
             means: vec![ZERO; screen.taps],
+            products: vec![ZERO; pairs(screen.taps)],
+            pixels: vec![[ZERO; 4]; screen.light_taps],
+            samples: vec![[ZERO; 4]; screen.taps],
         }
     }
 
-    /// Means and covariances with the target.
+    /// Means and covariances. `filter` are the filters of the pixels, and `products` the covariances of the signals behind them, by pair.
     #[inline(always)]
     pub(super) fn gather(
         &mut self,
@@ -243,6 +252,7 @@ impl System {
         responses: &FilterResponses,
         filter: &[u8],
         group: usize,
+        products: &[Lanes],
     ) {
         let k = screen.components;
         for (i, &filter) in filter.iter().enumerate() {
@@ -255,19 +265,34 @@ impl System {
                     crossed[c] = plus_scaled(crossed[c], f, screen.crossed[first + a][c]);
                 }
             }
+            let [x, y, z] = crossed;
+            self.pixels[i] = [mean, x, y, z];
+        }
+        let samples = match &screen.crosstalk {
+            Some(crosstalk) => {
+                crosstalk.samples(&self.pixels, &mut self.samples);
+                crosstalk.sample_pairs(products, &mut self.products);
+                &self.samples
+            }
+            None => {
+                self.products.copy_from_slice(products);
+                &self.pixels
+            }
+        };
+        for (i, [mean, x, y, z]) in samples.iter().enumerate() {
             self.means[i] = mean.map(|m| if m > 0.0 { m } else { 0.0 });
-            self.crossed[i] = crossed;
+            self.crossed[i] = [*x, *y, *z];
         }
     }
 
     /// Factors the matrix of a condition. Signals are in electrons divided by `scale`.
     #[inline(always)]
-    pub(super) fn factor(&mut self, products: &[Lanes], targets: &[Lanes; 6], level: &Level, scale: f64) {
+    pub(super) fn factor(&mut self, targets: &[Lanes; 6], level: &Level, scale: f64) {
         let taps = self.means.len();
         let mut pair = 0;
         for i in 0..taps {
             for j in i..taps {
-                let mut value = products[pair];
+                let mut value = self.products[pair];
                 if i == j {
                     let noise = level.noise(self.means[i], scale);
                     for lane in 0..LANES {

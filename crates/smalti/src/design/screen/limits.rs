@@ -2,7 +2,7 @@
 //!
 //! The error of the best linear estimate falls in two steps. Without noise, what is left is the limit of the mosaic and its filters; the
 //! difference is due to noise. With a sample of every filter at every pixel and without noise, what is left is the limit of the filters; the
-//! difference is due to sampling, which pictures show as aliasing and blur. The rest is due to colour: the filters do not span the functions of the
+//! difference is due to sampling, which pictures show as aliasing and blur, and to crosstalk. The rest is due to colour: the filters do not span the functions of the
 //! observer. Each step has more information than the one before, so that no share is negative, and the three add up to the whole.
 
 use super::color_error::PACKED;
@@ -10,7 +10,6 @@ use super::condition::Level;
 use super::figures::Figures;
 use super::kernel;
 use super::lanes::{Augmented, LANES, Lanes, ZERO, plus_scaled};
-use super::layout::Layout;
 use super::model::Screen;
 use super::responses::FilterResponses;
 use crate::sensor::Mosaic;
@@ -40,7 +39,7 @@ pub struct ClassLimits {
     pub patches: f64,
     /// What noise adds.
     pub noise: CausedError,
-    /// What the mosaic adds, which has one filter at a pixel.
+    /// What the mosaic adds, which has one filter at a pixel, and crosstalk.
     pub sampling: CausedError,
     /// What is left with every filter at every pixel and without noise.
     pub color: CausedError,
@@ -60,7 +59,7 @@ impl Screen {
     /// their patches, are the errors of [`Screen::expected_of`].
     #[must_use]
     pub fn limits(&self, mosaic: &Mosaic, responses: &FilterResponses) -> Vec<Vec<ClassLimits>> {
-        let layout = Layout::new(self.side, mosaic);
+        let layout = self.layout(mosaic);
         let responses = responses.fitted(layout.filters(), self.components).into_owned();
         let set = std::slice::from_ref(&responses);
         let classes = |errors: &[[Lanes; 6]]| self.by_class(errors);
@@ -108,17 +107,17 @@ impl Screen {
         out
     }
 
-    /// The error covariances of a sensor without noise that samples every filter at every pixel, by group.
+    /// The error covariances of a sensor without noise and crosstalk that samples every filter at every pixel, by group.
     fn with_every_filter(&self, responses: &FilterResponses) -> Vec<[Lanes; 6]> {
         let (k, filters) = (self.components, responses.0.len());
-        let samples = self.taps * filters;
+        let samples = self.light_taps * filters;
         // The factorisation takes one more than a multiple of four. Samples that see no light add nothing.
         let padded = samples.div_ceil(4) * 4 + 1;
         let of_group = |group: usize| {
             let mut matrix = Augmented::new(padded);
             let mut pair = 0;
-            for i in 0..self.taps {
-                for j in i..self.taps {
+            for i in 0..self.light_taps {
+                for j in i..self.light_taps {
                     let covariance = &self.covariances[(pair * self.groups + group) * k * k..][..k * k];
                     for (a, left) in responses.0.iter().enumerate() {
                         for (b, right) in responses.0.iter().enumerate() {
@@ -138,7 +137,7 @@ impl Screen {
                     pair += 1;
                 }
             }
-            for i in 0..self.taps {
+            for i in 0..self.light_taps {
                 for (a, response) in responses.0.iter().enumerate() {
                     let first = (i * self.groups + group) * k;
                     let mut crossed = [ZERO; 3];

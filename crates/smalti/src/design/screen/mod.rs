@@ -17,6 +17,7 @@
 
 mod color_error;
 mod condition;
+mod crosstalk;
 mod expected;
 #[allow(clippy::needless_range_loop)]
 mod eye;

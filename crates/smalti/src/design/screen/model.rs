@@ -2,16 +2,21 @@
 
 use super::color_error::{ColorError, PACKED};
 use super::condition::{Level, ScreenCondition};
+use super::crosstalk::Crosstalk;
 use super::eye::Eye;
 use super::lanes::{LANES, Lanes, ZERO};
+use super::layout::Layout;
 use super::responses::{FilterResponses, sum_of_products};
 use crate::camera::{Camera, CameraError};
 use crate::design::error::DesignError;
 use crate::design::light::{LightClass, LightStatistics};
+use crate::sensor::Mosaic;
 use crate::spectrum::Spectrum;
 
 /// Patches below which a class is not used.
 pub(crate) const MIN_PATCHES: u64 = 64;
+/// Least side of a patch of samples.
+const MIN_SIDE: usize = 3;
 /// The number of patches of all hues that the covariance of a hue is completed with: the covariance of a few hundred patches knows too
 /// few of its several hundred rows.
 const SHARED_PATCHES: f64 = 1000.0;
@@ -19,7 +24,11 @@ const SHARED_PATCHES: f64 = 1000.0;
 /// The expected errors of colour filter arrays on one camera, from the statistics of the light on its pixels.
 #[derive(Debug, Clone)]
 pub struct Screen {
+    /// Number of samples of a patch.
     pub(super) taps: usize,
+    /// Number of pixels of a patch of light: more than `taps` with crosstalk.
+    pub(super) light_taps: usize,
+    pub(super) crosstalk: Option<Crosstalk>,
     pub(super) components: usize,
     pub(super) side: usize,
     /// Number of vectors of classes.
@@ -55,7 +64,8 @@ impl Screen {
     /// A screen for a camera, whose own filters do not matter, under conditions.
     ///
     /// # Errors
-    /// When the statistics are of another lens, pixel or light than the camera's, no class has enough patches, or a condition is invalid.
+    /// When the statistics are of another lens, pixel or light than the camera's or of patches that are too small for its crosstalk, no class
+    /// has enough patches, or a condition is invalid.
     pub fn new(
         camera: &Camera,
         statistics: &LightStatistics,
@@ -64,19 +74,30 @@ impl Screen {
         if statistics.basis().grid() != camera.grid() {
             return Err(DesignError::OtherLight { what: "wavelengths" });
         }
-        let (side, components) = (statistics.settings().side, statistics.basis().len());
-        let taps = side * side;
+        let (light_side, components) = (statistics.settings().side, statistics.basis().len());
+        let border = if camera.sensor.crosstalk.is_some() { Crosstalk::BORDER } else { 0 };
+        let side = light_side - 2 * border;
+        if side < MIN_SIDE {
+            let expected = MIN_SIDE + 2 * border;
+            let message = format!(
+                "statistics of patches of {light_side} × {light_side} pixels; with crosstalk expected at least {expected}"
+            );
+            return Err(DesignError::key("light.side", message));
+        }
+        let (taps, light_taps) = (side * side, light_side * light_side);
         let classes = usable(statistics)?;
         let groups = classes.len().div_ceil(LANES);
-        let pairs = taps * (taps + 1) / 2;
+        let pairs = light_taps * (light_taps + 1) / 2;
         let mut screen = Self {
             taps,
+            light_taps,
+            crosstalk: camera.sensor.crosstalk.as_ref().map(|kernel| Crosstalk::new(kernel, side)),
             components,
             side,
             groups,
             covariances: vec![ZERO; pairs * groups * components * components],
-            crossed: vec![[ZERO; 3]; taps * groups * components],
-            means: vec![ZERO; taps * groups * components],
+            crossed: vec![[ZERO; 3]; light_taps * groups * components],
+            means: vec![ZERO; light_taps * groups * components],
             targets: vec![[ZERO; 6]; groups],
             shares: vec![ZERO; groups],
             detailed: vec![ZERO; groups],
@@ -117,12 +138,12 @@ impl Screen {
     fn fill(&mut self, at: usize, class: &Usable, statistics: &LightStatistics, total: f64) {
         let (group, lane, k) = (at / LANES, at % LANES, self.components);
         let xyz = statistics.xyz();
-        let width = self.taps * k;
+        let width = self.light_taps * k;
         let covariance =
             |i: usize, a: usize, j: usize, b: usize| class.covariance[(i * k + a) * width + j * k + b];
         let mut pair = 0;
-        for i in 0..self.taps {
-            for j in i..self.taps {
+        for i in 0..self.light_taps {
+            for j in i..self.light_taps {
                 for a in 0..k {
                     for b in 0..k {
                         let place = ((pair * self.groups + group) * k + a) * k + b;
@@ -132,9 +153,9 @@ impl Screen {
                 pair += 1;
             }
         }
-        let middle = self.taps / 2;
+        let middle = self.light_taps / 2;
         let seen = |row: &dyn Fn(usize) -> f64, c: usize| (0..k).map(|b| row(b) * xyz[b][c]).sum::<f64>();
-        for i in 0..self.taps {
+        for i in 0..self.light_taps {
             for a in 0..k {
                 let place = (i * self.groups + group) * k + a;
                 self.means[place][lane] = class.mean[i * k + a];
@@ -152,6 +173,12 @@ impl Screen {
         if self.colors.len() == at {
             self.colors.push(ColorError::new(&class.colors, statistics.white()));
         }
+    }
+
+    /// The filters of the pixels of patches.
+    pub(super) fn layout(&self, mosaic: &Mosaic) -> Layout {
+        let border = if self.crosstalk.is_some() { Crosstalk::BORDER } else { 0 };
+        Layout::new(self.side, border, mosaic)
     }
 
     /// Number of conditions.

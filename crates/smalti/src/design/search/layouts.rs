@@ -92,6 +92,7 @@ impl LayoutRules {
     /// [`DesignError::Key`] when kept cells are not those of the tile, or are too close.
     pub fn of_tile(&self, tile: Tile) -> Result<TileRules, DesignError> {
         self.validate()?;
+        tile.validate()?;
         let letters = self.letters();
         let wrong = |message: String| DesignError::key("rules.kept", message);
         let mut kept = vec![None; tile.rows * tile.cols];
@@ -107,7 +108,8 @@ impl LayoutRules {
             }
         }
         let rules = TileRules { tile, least_distance_px: self.least_distance_px, kept, letters };
-        let cells: Vec<u8> = (0..).zip(&rules.kept).map(|(at, k)| k.unwrap_or(100 + at)).collect();
+        // Every cell that is not kept has a number of its own.
+        let cells: Vec<u32> = (100..).zip(&rules.kept).map(|(own, k)| k.map_or(own, u32::from)).collect();
         if too_close(&cells, (tile.rows, tile.cols), self.least_distance_px) > 0 {
             let (rows, cols) = (tile.rows, tile.cols);
             let message = match rules.letters.is_empty() {
@@ -124,7 +126,7 @@ impl LayoutRules {
 }
 
 /// Pairs of pixels with the same filter that are closer than `least`. A cell is also near itself in the next tiles.
-fn too_close(cells: &[u8], (rows, cols): (usize, usize), least: f64) -> usize {
+fn too_close<T: PartialEq>(cells: &[T], (rows, cols): (usize, usize), least: f64) -> usize {
     if least <= 1.0 || cols == 0 {
         return 0;
     }

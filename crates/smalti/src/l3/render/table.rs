@@ -75,19 +75,30 @@ impl<S: Sample> Table<S> {
         let taps = side * side;
         let per_output = registers_of::<S>(side);
         let mut registers = Vec::new();
-        let mut places: HashMap<Vec<u32>, u32> = HashMap::new();
+        // Classes with their first register, by a digest of their kernels.
+        let mut places: HashMap<u64, Vec<(usize, u32)>> = HashMap::new();
+        let tails_of =
+            |class: usize| (0..outputs).map(move |o| (class, o)).map(|(c, o)| offsets(c * outputs + o));
+        let size = (outputs * taps).max(1);
         let mut lanes = vec![S::default(); per_output * S::LANES];
         let mut of_class = Vec::new();
-        for (class, weights) in weights.chunks_exact((outputs * taps).max(1)).enumerate() {
-            let tails: Vec<Vec<S>> = (0..outputs).map(|o| offsets(class * outputs + o)).collect();
-            let key = weights.iter().chain(tails.iter().flatten()).map(|v| v.bits()).collect();
-            let next = registers.len() as u32;
-            let place = *places.entry(key).or_insert(next);
-            of_class.push(place);
-            if place < next {
+        for (class, own) in weights.chunks_exact(size).enumerate() {
+            let tails: Vec<Vec<S>> = tails_of(class).collect();
+            let bits = || own.iter().chain(tails.iter().flatten()).map(|v| v.bits());
+            let alike = places.entry(bits().fold(0, digest)).or_default();
+            let equal = |(other, _): &&(usize, u32)| {
+                let tails: Vec<Vec<S>> = tails_of(*other).collect();
+                let kernels = weights[other * size..(other + 1) * size].iter();
+                kernels.chain(tails.iter().flatten()).map(|v| v.bits()).eq(bits())
+            };
+            if let Some(&(_, place)) = alike.iter().find(equal) {
+                of_class.push(place);
                 continue;
             }
-            for (weights, tail) in weights.chunks_exact(taps).zip(tails) {
+            let next = registers.len() as u32;
+            alike.push((class, next));
+            of_class.push(next);
+            for (weights, tail) in own.chunks_exact(taps).zip(tails) {
                 lanes.fill(S::default());
                 for (tap, &w) in weights.iter().enumerate() {
                     lanes[tap % side * side + tap / side] = w;
@@ -100,6 +111,11 @@ impl<S: Sample> Table<S> {
         beyond[taps % S::LANES..].iter_mut().zip(S::CONSTANTS).for_each(|(lane, &v)| *lane = v);
         (Self { registers, side, beyond: S::register(&beyond), scale }, of_class)
     }
+}
+
+/// Adds a number to a digest. Kernels are compared where digests are equal, so that it need only be fast.
+fn digest(sum: u64, bits: u32) -> u64 {
+    (sum.rotate_left(5) ^ u64::from(bits)).wrapping_mul(0x517c_c1b7_2722_0a95)
 }
 
 /// Registers for a patch and the constants after it.

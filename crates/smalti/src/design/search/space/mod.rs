@@ -5,6 +5,7 @@ mod dichroic;
 mod free;
 mod measured;
 mod mixtures;
+mod nearest;
 mod pigments;
 
 use std::sync::Arc;
@@ -155,11 +156,11 @@ impl SampledSpace {
 mod tests {
     use super::*;
 
-    fn builtin(names: &[&str]) -> Vec<Filter> {
+    pub(super) fn builtin(names: &[&str]) -> Vec<Filter> {
         names.iter().map(|n| Filter::Builtin((*n).into())).collect()
     }
 
-    fn continuous() -> [FilterSpace; 4] {
+    pub(super) fn continuous() -> [FilterSpace; 4] {
         [
             FilterSpace::Pigments(Pigments::default()),
             FilterSpace::Dichroic(Dichroic::default()),
