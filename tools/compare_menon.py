@@ -8,8 +8,8 @@
 The script makes all data: the raw images (`smalti simulate --noise none`), the ground truth (the same camera with three sensors
 behind a prism, so that every pixel has all channels), and the learned tables (`smalti train bayer --target bayer`: camera RGB instead of
 XYZ, so that L³ performs the same task as the others). One matrix, the least-squares matrix of the camera, then maps all results from camera RGB to
-XYZ. L³ has no colour correction of its own. The other methods demosaic samples with balanced white. The scenes are those test scenes of `smalti compare` that can be lit with D65: the charts, and of
-the natural scenes the photographs. None is used for training. They are exposed so that the brightest pixel is at 0.8 of saturation. The script prints the CPSNR in XYZ against the truth, in dB, with the largest Y of the
+XYZ. L³ has no colour correction of its own. The other methods demosaic samples with balanced white. The scenes are the charts of `smalti compare` and the
+photographs among its natural scenes, under D65; the path-traced scenes have lamps of their own. None is used for training. They are exposed so that the brightest pixel is at 0.8 of saturation. The script prints the CPSNR in XYZ against the truth, in dB, with the largest Y of the
 truth as peak.
 """
 

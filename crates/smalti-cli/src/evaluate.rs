@@ -106,6 +106,7 @@ pub(crate) fn run(args: &Evaluate, words: &[String], common: &Common) -> anyhow:
                 illuminant: illuminant.clone(),
                 seed: args.camera_options.seed,
                 exposure: exposure.targets(light),
+                ..EvaluationSettings::default()
             };
             let scored = contender.evaluate(&settings, resources);
             let (scores, pictures) = scored.map_err(|e| exposure.explained(contender.label, e))?;

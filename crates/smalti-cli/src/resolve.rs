@@ -181,8 +181,8 @@ fn fitting(
     if filters.is_empty() {
         return Ok((options, None));
     }
-    let plain = camera(name, &CameraOptions { overrides: rest, ..options.clone() })?.camera;
-    let has = |letter: char| plain.sensor.cfa.channels().iter().any(|c| c.name == letter.to_string());
+    let letters = cameras::letters(name, &rest).map_err(|e| anyhow::anyhow!("{e}"))?;
+    let has = |letter: char| letters.contains(&letter);
     let mut left_out: Vec<String> =
         filters.iter().filter_map(cameras::filter_letter).filter(|l| !has(*l)).map(String::from).collect();
     left_out.dedup();

@@ -139,7 +139,7 @@ pub(crate) fn evaluate(
 ) -> PyResult<PyEvaluation> {
     let illuminant = illuminant.map_or(Ok(Illuminant::D65), light)?;
     let white = Observer::Cie1931.white(&illuminant.photons(camera.camera.grid()).or_raise()?).or_raise()?;
-    let settings = EvaluationSettings { luminance_cd_m2, illuminant, seed, exposure: None };
+    let settings = EvaluationSettings { luminance_cd_m2, illuminant, seed, ..EvaluationSettings::default() };
     let name = camera.camera.description().name.clone();
     let pipelines =
         pipeline.map(|p| PipelineSet::of_any_light(&settings.illuminant, &camera.camera, p.0.clone()));

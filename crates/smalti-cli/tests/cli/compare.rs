@@ -379,7 +379,7 @@ fn the_light_gain_is_a_table_and_json() {
         text.contains("Additional light for bayer bilinear to match rgbw bilinear at 20 cd/m²"),
         "{text}"
     );
-    assert!(text.contains("over four captures of the chart. The table of scores has one capture."), "{text}");
+    assert!(text.contains("over its four captures of the chart."), "{text}");
     let results = place.json("o/results.json");
     let gain = &results["light_gains"][0];
     assert_eq!(gain["needs_more_light"], "bayer bilinear");
@@ -393,6 +393,11 @@ fn the_light_gain_is_a_table_and_json() {
             (&metric["own"], &metric["target"]),
             (&results["results"][0][name], &results["results"][1][name])
         );
+    }
+    let of_chart = ["/targets/visual_snr/median", "/targets/luminance_noise_percent/mean"];
+    for (metric, path) in metrics[3..].iter().zip(of_chart) {
+        let rows = [0, 1].map(|i| results["results"][i].pointer(path).unwrap());
+        assert_eq!([&metric["own"], &metric["target"]], rows, "{path}");
     }
     let headings = ["CPSNR dB", "ΔE2000", "S-CIELAB", "visual SNR", "noise %"];
     for (m, heading) in metrics.iter().zip(headings) {

@@ -39,8 +39,7 @@ fn json(text: &str) -> Value {
 #[test]
 fn evaluate_gives_what_the_library_gives() {
     let found = json(&Place::new().ok(&format!("evaluate rgbw --luminance 20 --seed 3 --json {SET}")));
-    let settings =
-        EvaluationSettings { luminance_cd_m2: 20.0, illuminant: Illuminant::D65, seed: 3, exposure: None };
+    let settings = EvaluationSettings { luminance_cd_m2: 20.0, seed: 3, ..EvaluationSettings::default() };
     let rgbw = camera("rgbw");
     let (scores, _) =
         Contender::as_described(&rgbw, "rgbw").evaluate(&settings, Resources::default()).unwrap();

@@ -120,6 +120,17 @@ pub fn has_mosaic(name: &str) -> bool {
     mosaic.is_some() && (mosaics::is_camera(camera) || is_toml(Path::new(camera)))
 }
 
+/// The letters of the filters that the own mosaic of a camera needs, from its description alone: no file that it names is read.
+///
+/// # Errors
+/// When there is no such camera, or a key or its mosaic is invalid.
+pub fn letters(name: &str, overrides: &[Override]) -> Result<Vec<char>, Box<Diagnostic>> {
+    let camera = mosaics::split(name).0;
+    let source = TomlSource::find("camera", CAMERAS, camera).map_err(|e| mosaics::or_mosaic(camera, e))?;
+    let letters = source.describe(overrides)?.sensor.cfa.letters();
+    letters.map_err(|e| Box::new(about(&source, overrides, "sensor.cfa.pattern", &e.to_string())))
+}
+
 /// The name of a camera that a file in a folder names: TOML files are relative to that folder.
 pub(crate) fn name_beside(folder: &Path, name: &str) -> String {
     let path = |name: &str| match is_toml(Path::new(name)) {

@@ -107,9 +107,13 @@ pub(super) fn edges(scored: &[Vec<Scored<'_>>]) -> Markup {
 pub(super) fn noise(scored: &[Vec<Scored<'_>>]) -> Markup {
     beside(scored.iter().filter_map(|of_light| {
         let first = of_light.first()?;
+        let captures = match first.evaluation.noise_captures {
+            1 => "one capture".to_owned(),
+            count => format!("{count} captures"),
+        };
         let mut plot = Plot::new("Grey patch, 1 white to 6 black", "Luminance noise (%)")
             .title(format!("Noise at {} cd/m²", first.luminance_cd_m2))
-            .note("Standard deviation of Y divided by its mean, from one capture with all noise.")
+            .note(format!("Standard deviation of Y divided by its mean, from {captures} with all noise."))
             .size(SIZE.0, SIZE.1);
         let all = of_light.iter().flat_map(|s| &s.evaluation.luminance_noise_percent.per_patch);
         let (low, high) =

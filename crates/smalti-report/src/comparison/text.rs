@@ -10,11 +10,11 @@ use crate::TextTable;
 use crate::reliability::meanings;
 
 /// What resolution and noise of one row say together.
-pub(super) const MTF50_AND_NOISE: &str = "MTF50 is measured without noise, noise % on one capture. For learned pipelines, which are not linear, compare the MTF50 of the 4:1 edge. In little light, noise hides detail that MTF50 still counts.";
+pub(super) const MTF50_AND_NOISE: &str = "MTF50 is measured without noise, visual SNR and noise % on four captures. For learned pipelines, which are not linear, compare the MTF50 of the 4:1 edge. In little light, noise hides detail that MTF50 still counts.";
 
 /// What a light gain and its interval rest on.
 pub(super) const GAIN_BASIS: &str = "Below 0, the first camera needs less light. 95 % confidence intervals in brackets: of scores of pictures over the scenes and \
-     noise realisations of the first table, of visual SNR and noise over four captures of the chart. The table of scores has one capture. The search ends at ±4 stops. \
+     noise realisations of the first table, of visual SNR and noise over its four captures of the chart. The search ends at ±4 stops. \
      “Also” marks further light at which a score that does not rise steadily with light equals that of the other camera. MTF50 is \
      measured without noise and therefore has no light gain.";
 

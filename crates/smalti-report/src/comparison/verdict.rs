@@ -247,7 +247,7 @@ impl Comparison<'_> {
 }
 
 /// How the scores of chart and edge are measured.
-pub(super) const ONCE: &str = "each measured once and without an interval";
+pub(super) const ONCE: &str = "each without an interval";
 /// The most cameras behind the best one that the terminal names in one line.
 const IN_ONE_LINE: usize = 1;
 

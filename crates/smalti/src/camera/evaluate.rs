@@ -3,15 +3,16 @@
 //!
 //! Each target covers the same number of pixels on every camera, so that scores rest on equally many samples. Colour and
 //! resolution are measured without noise, because they are properties of the design rather than of one capture. Noise is
-//! measured on one capture with all noise. Both use the actual exposure, because a learned pipeline processes dark and bright
+//! measured on captures with all noise, one or several. Both use the actual exposure, because a learned pipeline processes dark and bright
 //! signals differently. In little light, MTF50 therefore counts detail that noise hides, and must be read beside the noise.
 
 use serde::Serialize;
 
 use super::chart::{self, LUMINANCE};
 use super::colorimetry::{ColorimetricObserver, SensorColorimetry};
+use super::grey_noise::GreyNoise;
 use super::target::{EDGE_REGION, EdgeMtf50, Target, edge_mtf50};
-use super::{Camera, CameraError};
+use super::{Camera, CameraError, GreyScores, PatchScores};
 use crate::color::adaptation::bradford;
 use crate::color::display::{D65_XYZ, Matrices};
 use crate::color::matrix::product;
@@ -33,15 +34,18 @@ const SRGB_LUMINANCE: [f64; 3] = [0.2126, 0.7152, 0.0722];
 /// From this share of saturated samples on, the chart shows nothing but defects of pixels, percent.
 const WHOLLY_SATURATED_PERCENT: f64 = 99.5;
 
-/// Illumination of the targets and seed of the noise.
+/// Illumination of the targets and seeds of the noise.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EvaluationSettings {
     /// Mean luminance of every target, cd/m².
     pub luminance_cd_m2: f64,
     /// The illuminant.
     pub illuminant: Illuminant,
-    /// Seed of the noise.
+    /// Seed of the noise, the first of several.
     pub seed: u64,
+    /// Number of captures of the chart over which noise is averaged, at least 1, with consecutive seeds. A study and `smalti evaluate` take
+    /// one, comparisons [`COMPARED_NOISE_CAPTURES`](super::COMPARED_NOISE_CAPTURES).
+    pub noise_captures: u64,
     /// Exposure times of the targets; `None` for those of the camera's description.
     pub exposure: Option<ExposureTimes>,
 }
@@ -59,54 +63,10 @@ impl EvaluationSettings {
 }
 
 impl Default for EvaluationSettings {
-    /// 75 cd/m² of D65.
+    /// 75 cd/m² of D65, one capture.
     fn default() -> Self {
-        Self { luminance_cd_m2: 75.0, illuminant: Illuminant::D65, seed: 1, exposure: None }
-    }
-}
-
-/// A score for each patch and the mean.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct PatchScores {
-    /// Mean over the patches.
-    pub mean: f64,
-    /// One per patch, row by row from dark skin, or from white to black for the grey series.
-    pub per_patch: Vec<f64>,
-}
-
-/// The error of scores without patches.
-const NO_PATCH: MetricError = MetricError::TooFew { what: "patches", minimum: 1, got: 0 };
-
-impl PatchScores {
-    /// # Errors
-    /// [`MetricError::TooFew`] without patches.
-    pub(super) fn new(per_patch: Vec<f64>) -> Result<Self, MetricError> {
-        if per_patch.is_empty() {
-            return Err(NO_PATCH);
-        }
-        Ok(Self { mean: per_patch.iter().sum::<f64>() / per_patch.len() as f64, per_patch })
-    }
-}
-
-/// A score for each grey patch and the median.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct GreyScores {
-    /// Median over the patches.
-    pub median: f64,
-    /// From white to black.
-    pub per_patch: Vec<f64>,
-}
-
-impl GreyScores {
-    /// # Errors
-    /// [`MetricError::TooFew`] without patches.
-    pub(super) fn new(per_patch: Vec<f64>) -> Result<Self, MetricError> {
-        let mut sorted = per_patch.clone();
-        sorted.sort_by(f64::total_cmp);
-        let count = sorted.len();
-        let middle = sorted.get(count.saturating_sub(1) / 2).zip(sorted.get(count / 2));
-        let (&low, &high) = middle.ok_or(NO_PATCH)?;
-        Ok(Self { median: f64::midpoint(low, high), per_patch })
+        let illuminant = Illuminant::D65;
+        Self { luminance_cd_m2: 75.0, illuminant, seed: 1, noise_captures: 1, exposure: None }
     }
 }
 
@@ -155,10 +115,10 @@ pub struct Evaluation {
     pub mtf50_low_contrast_cy_per_px: f64,
     /// Whether this MTF50 can be trusted.
     pub mtf50_low_contrast_reliability: Mtf50Reliability,
-    /// `100 · std(Y) / mean(Y)` on the grey series, percent.
+    /// `100 · std(Y) / mean(Y)` on the grey series, percent. Mean over the captures.
     pub luminance_noise_percent: PatchScores,
     /// Visual signal-to-noise ratio of the grey series: reciprocal noise in ΔE 1976, white patch at L* = 100, 60 pixels per
-    /// degree. The summary is the median, because white may clip and black is mostly noise.
+    /// degree. The summary is the median, because white may clip and black is mostly noise. Mean over the captures.
     pub visual_snr: GreyScores,
     /// Saturated raw samples of the chart, percent. Clipping falsifies colours.
     pub saturated_percent: f64,
@@ -173,14 +133,16 @@ pub struct Evaluation {
     pub sensor: SensorColorimetry,
     /// Exposure times.
     pub exposure: ExposureTimes,
-    /// Seed of the noise.
+    /// Seed of the noise, the first of several.
     pub seed: u64,
+    /// Number of captures over which noise was averaged.
+    pub noise_captures: u64,
 }
 
 /// The pictures of the targets, in XYZ.
 #[derive(Debug, Clone)]
 pub struct EvaluationPictures {
-    /// The chart, with all noise.
+    /// The chart, with all noise, in the first capture.
     pub macbeth: Image,
     /// The edge of high contrast, without noise.
     pub edge: Image,
@@ -271,7 +233,7 @@ pub fn evaluate_with(
     let noisy = chart.isp.render(&noisy)?;
     let light = setting.illuminant.photons(camera.grid())?;
     let colors = chart::colors(&chart.clean, &light).map_err(|e| chart.explained(e, "the ColorChecker"))?;
-    let noise = chart::noise(&noisy, &light).map_err(|e| chart.explained(e, "the ColorChecker"))?;
+    let noise = chart.noise(&noisy, settings, &light).map_err(|e| chart.explained(e, "the ColorChecker"))?;
     let mtf50 = edge_mtf50(edge.clean.planes(), LUMINANCE, EDGE_REGION)
         .map_err(|e| edge.explained(e, "the slanted edge"))?;
     let low_contrast = match edge_mtf50(low_contrast.clean.planes(), LUMINANCE, EDGE_REGION) {
@@ -292,8 +254,8 @@ pub fn evaluate_with(
         mtf50_low_contrast_cy_per_mm: low_contrast.cy_per_mm(camera),
         mtf50_low_contrast_cy_per_px: low_contrast.cy_per_px,
         mtf50_low_contrast_reliability: low_contrast.reliability,
-        luminance_noise_percent: PatchScores::new(noise.luminance_noise_percent)?,
-        visual_snr: GreyScores::new(noise.visual_snr)?,
+        luminance_noise_percent: noise.luminance_noise_percent,
+        visual_snr: noise.visual_snr,
         saturated_percent,
         aliasing_percent: aliasing.total_percent,
         color_aliasing_percent: aliasing.color_percent,
@@ -305,6 +267,7 @@ pub fn evaluate_with(
             zone_plate_s: zone.exposure.time_s,
         },
         seed: settings.seed,
+        noise_captures: settings.noise_captures.max(1),
     };
     let pictures = EvaluationPictures {
         macbeth: noisy,
@@ -325,6 +288,22 @@ struct TargetCapture<'a, 'i> {
 }
 
 impl TargetCapture<'_, '_> {
+    /// The noise of the chart under an illuminant (photons), whose first picture is given.
+    fn noise(
+        &self,
+        first: &Image,
+        settings: &EvaluationSettings,
+        light: &Spectrum,
+    ) -> Result<GreyNoise, CameraError> {
+        let mut captures = vec![GreyNoise::of(first, light)?];
+        for capture in 1..settings.noise_captures {
+            let seed = settings.seed.wrapping_add(capture);
+            let raw = self.camera.sensor.capture(&self.image, &self.exposure, NoiseMode::All, seed)?;
+            captures.push(GreyNoise::of(&self.isp.render(&raw)?, light)?);
+        }
+        Ok(GreyNoise::mean(&captures))
+    }
+
     /// The error of a metric, or the fault of the exposure where it explains the error.
     fn explained(&self, error: CameraError, target: &'static str) -> CameraError {
         self.camera.explained(error, target, &self.image, &self.exposure)
@@ -397,15 +376,6 @@ fn pixel_dynamic_range_db(camera: &Camera) -> Result<f64, CameraError> {
 mod tests {
     use super::*;
     use crate::color::ColorSpace;
-
-    #[test]
-    fn scores_need_patches() {
-        assert_eq!(PatchScores::new(vec![]), Err(NO_PATCH));
-        assert_eq!(GreyScores::new(vec![]), Err(NO_PATCH));
-        assert_eq!(PatchScores::new(vec![1.0, 2.0, 6.0]).unwrap().mean, 3.0);
-        assert_eq!(GreyScores::new(vec![6.0, 1.0, 2.0]).unwrap().median, 2.0);
-        assert_eq!(GreyScores::new(vec![6.0, 1.0, 2.0, 3.0]).unwrap().median, 2.5);
-    }
 
     #[test]
     fn only_a_picture_without_an_edge_has_no_edge_response() {

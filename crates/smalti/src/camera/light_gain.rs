@@ -6,27 +6,22 @@ use std::fmt;
 
 use serde::Serialize;
 
-use super::chart::{self, PATCH_SAMPLES};
+use super::chart_in_light::ChartInLight;
 use super::compare::IntegratedScene;
-use super::{
-    Camera, CameraError, GreyScores, IspFor, PICTURE_METRICS, PatchScores, ScoreSettings, Setup, TestScene,
-};
+use super::grey_noise::COMPARED_NOISE_CAPTURES;
+use super::{Camera, CameraError, IspFor, PICTURE_METRICS, ScoreSettings, TestScene};
 use crate::isp::Isp;
 use crate::metrics::{Better, MetricError, metric_info};
 use crate::numeric::bootstrap::{Resamples, mean};
 use crate::numeric::crossing::{Differences, Places, narrowed};
-use crate::scene::{Setting, macbeth};
-use crate::sensor::{Exposure, NoiseMode};
+use crate::scene::Setting;
+use crate::sensor::Exposure;
 use crate::spectrum::Illuminant;
 
 /// Range of the search in both directions, stops.
 const REACH_STOPS: i32 = 4;
 /// The light of the search changes in multiples of this part of a stop, within which the crossing is interpolated.
 pub(crate) const STEP_STOPS: f64 = 0.125;
-
-/// Number of captures of the ColorChecker over which noise is averaged. Its patches are small: the gain is uncertain by a tenth
-/// of a stop with one capture and by half of that with four.
-const CHART_CAPTURES: u64 = 4;
 
 /// How much more light a camera needs to equal another, in stops (powers of two). Negative values mean less light.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -237,7 +232,7 @@ pub fn light_gains(
     };
     let (scenes, seeds) = (settings.scenes.len(), settings.seed_count.max(1) as usize);
     let pictures = (scenes * seeds > 1).then(|| Resamples::new(scenes, seeds, settings.seed));
-    let captures = Resamples::new(1, CHART_CAPTURES as usize, settings.seed);
+    let captures = Resamples::new(1, COMPARED_NOISE_CAPTURES as usize, settings.seed);
     let mut metrics = Vec::with_capacity(METRICS.len());
     for (i, (&metric, target)) in METRICS.iter().zip(&targets).enumerate() {
         let better = metric_info(metric)?.better;
@@ -330,7 +325,7 @@ type Figures = [Vec<f64>; METRICS.len()];
 /// A camera with its processing, and the scenes and the chart imaged on it.
 struct CameraUnderTest<'a> {
     scenes: Vec<(IntegratedScene, Exposure, Box<dyn Isp + 'a>)>,
-    chart: (Setup, Box<dyn Isp + 'a>),
+    chart: ChartInLight<'a>,
 }
 
 impl<'a> CameraUnderTest<'a> {
@@ -346,6 +341,7 @@ impl<'a> CameraUnderTest<'a> {
             grid: camera.grid(),
             ..Setting::default()
         };
+        let other_chart = other.map(|o| &o.chart);
         let scene = |(i, scene): (usize, &TestScene)| -> Result<_, CameraError> {
             let lender = other.and_then(|o| o.scenes.get(i)).map(|s| s.0.setup());
             let setup = scene.before_sharing(camera, &settings.illuminant, lender)?;
@@ -355,18 +351,9 @@ impl<'a> CameraUnderTest<'a> {
             let isp = isp(&scene.light(settings.luminance_cd_m2)?)?;
             Ok((scene, exposure, isp))
         };
-        let lent = other.map(|o| o.chart.0.before(camera)).transpose()?.flatten();
-        let chart = match lent {
-            Some(setup) => setup,
-            None => {
-                let scene = macbeth::chart(PATCH_SAMPLES, &setting)?;
-                Setup::with_size(camera, scene, chart::SIZE_PX)?
-            }
-        };
-        let chart_isp = isp(&chart.light)?;
         Ok(Self {
             scenes: settings.scenes.iter().enumerate().map(scene).collect::<Result<_, _>>()?,
-            chart: (chart.exposed(settings.chart_s)?, chart_isp),
+            chart: ChartInLight::new((camera, isp), &setting, settings.chart_s, other_chart)?,
         })
     }
 
@@ -383,30 +370,8 @@ impl<'a> CameraUnderTest<'a> {
             }
         }
         [all[PICTURE_METRICS.len()], all[PICTURE_METRICS.len() + 1]] =
-            self.grey_noise(stops, settings.seed)?;
+            self.chart.grey_noise(stops, settings.seed)?;
         Ok(all)
-    }
-
-    /// Visual SNR and luminance noise of the grey series for each capture. When a patch has no signal, they are 0 and infinite,
-    /// the worst values.
-    fn grey_noise(&self, stops: f64, seed: u64) -> Result<[Vec<f64>; 2], CameraError> {
-        let (setup, isp) = &self.chart;
-        let Setup { camera, image, light, exposure } = &setup.in_light(stops.exp2())?;
-        let (mut visual, mut luminance) = (Vec::new(), Vec::new());
-        for capture in 0..CHART_CAPTURES {
-            let seed = seed.wrapping_add(capture);
-            let picture = isp.render(&camera.sensor.capture(image, exposure, NoiseMode::All, seed)?)?;
-            let noise = match chart::noise(&picture, light) {
-                Ok(noise) => noise,
-                Err(CameraError::Metric(MetricError::Undefined { .. })) => {
-                    return Ok([0.0, f64::INFINITY].map(|worst| vec![worst; CHART_CAPTURES as usize]));
-                }
-                Err(e) => return Err(e),
-            };
-            luminance.push(PatchScores::new(noise.luminance_noise_percent)?.mean);
-            visual.push(GreyScores::new(noise.visual_snr)?.median);
-        }
-        Ok([visual, luminance])
     }
 }
 

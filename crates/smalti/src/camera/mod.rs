@@ -5,6 +5,7 @@ mod array_figures;
 #[allow(clippy::module_inception)]
 mod camera;
 pub(crate) mod chart;
+mod chart_in_light;
 mod clear_channel;
 mod colorimetry;
 pub(crate) mod compare;
@@ -14,8 +15,10 @@ mod error;
 pub(crate) mod evaluate;
 mod explained;
 mod exposure_fault;
+mod grey_noise;
 mod identity;
 mod light_gain;
+mod patch_scores;
 mod photograph;
 mod reference;
 mod resolve;
@@ -35,14 +38,16 @@ pub use dark_channel::DarkChannel;
 pub use description::CameraDescription;
 pub use error::CameraError;
 pub use evaluate::{
-    Evaluation, EvaluationPictures, EvaluationSettings, ExposureTimes, GreyScores, IspFor, OpticalImages,
-    PatchColors, PatchScores, evaluate, evaluate_with,
+    Evaluation, EvaluationPictures, EvaluationSettings, ExposureTimes, IspFor, OpticalImages, PatchColors,
+    evaluate, evaluate_with,
 };
 pub use exposure_fault::ExposureFault;
+pub use grey_noise::COMPARED_NOISE_CAPTURES;
 pub(crate) use light_gain::STEP_STOPS;
 pub use light_gain::{
     CameraAndIsp, GainInterval, LightGain, LightGainSettings, LightGains, MetricGain, light_gain, light_gains,
 };
+pub use patch_scores::{GreyScores, PatchScores};
 pub use photograph::Photograph;
 pub use score::{PICTURE_METRICS, PictureScores, ScoreSettings, score_picture};
 pub use test_scene::TestScene;

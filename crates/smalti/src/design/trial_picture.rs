@@ -51,8 +51,9 @@ impl TrialPhotographer {
             ..Setting::default()
         };
         let learn = || {
+            let illuminant = illuminant.clone();
             let evaluation =
-                EvaluationSettings { luminance_cd_m2, illuminant: illuminant.clone(), seed, exposure: None };
+                EvaluationSettings { luminance_cd_m2, illuminant, seed, ..EvaluationSettings::default() };
             let targets = Targets::new(&camera, &evaluation, &[], &[], &|_, make| make())?;
             PipelineTrainer::new(&targets, &study.l3, &|_, make| make())
         };

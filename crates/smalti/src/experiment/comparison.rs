@@ -11,7 +11,9 @@ use super::{
     ComparedPictures, ExperimentError, ExposurePlan, ExposurePolicy, Processing, Progress, Resources,
 };
 use crate::camera::compare::IntegratedScene;
-use crate::camera::{Camera, Evaluation, EvaluationSettings, ScoreSettings, Setup, TestScene};
+use crate::camera::{
+    COMPARED_NOISE_CAPTURES, Camera, Evaluation, EvaluationSettings, ScoreSettings, Setup, TestScene,
+};
 use crate::metrics::esfr::EdgeSfr;
 use crate::spectrum::Illuminant;
 
@@ -215,6 +217,7 @@ fn targets(
         luminance_cd_m2,
         illuminant: settings.illuminant.clone(),
         seed: settings.seed,
+        noise_captures: COMPARED_NOISE_CAPTURES,
         exposure: exposure.targets(light),
     };
     let (targets, pictures) = contender.evaluate(&targets, resources)?;

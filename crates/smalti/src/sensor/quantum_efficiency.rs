@@ -30,7 +30,7 @@ pub enum QuantumEfficiency {
 
 impl QuantumEfficiency {
     /// A typical back-illuminated photodiode of a small-pixel sensor: 3.5 µm deep, with a dead layer of 20 nm
-    /// and a transmission of 85 %. Near 0.82 at 500 nm and 0.15 at 850 nm. It does not represent a particular
+    /// and a transmission of 85 %. Near 0.81 at 500 nm and 0.15 at 850 nm. It does not represent a particular
     /// product.
     pub const SILICON: Self = Self::Silicon { depth_m: 3.5e-6, dead_layer_m: 20e-9, transmission: 0.85 };
 

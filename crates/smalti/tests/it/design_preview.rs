@@ -134,7 +134,7 @@ fn previewed(
             luminance_cd_m2: LUMINANCE_CD_M2,
             illuminant: Illuminant::D65,
             seed: SEED,
-            exposure: None,
+            ..EvaluationSettings::default()
         };
         let targets = Targets::new(&camera, &settings, &[], &[], &|_, make| make()).unwrap();
         PipelineTrainer::new(&targets, &study.l3, &|_, make| make()).unwrap()

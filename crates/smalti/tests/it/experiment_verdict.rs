@@ -3,7 +3,7 @@
 
 use smalti::camera::{Camera, CameraDescription, PICTURE_METRICS, ScoreSettings, TestScene};
 use smalti::experiment::{
-    Compared, ComparisonSettings, Contender, ExposurePolicy, MoreLight, Resources, Silent, compare,
+    Compared, ComparisonSettings, Contender, ExposurePolicy, MoreLight, Outcome, Resources, Silent, compare,
     light_gains_to_first, scene_lights,
 };
 use smalti::scene::{Setting, catalog};
@@ -146,6 +146,13 @@ fn the_light_gain_speaks_of_the_pictures_of_the_table() {
     for (i, gain) in gains[0].gains.metrics.iter().take(PICTURE_METRICS.len()).enumerate() {
         assert_eq!(gain.metric, PICTURE_METRICS[i]);
         assert!((gain.own - own[i]).abs() < 1e-9 && (gain.target - target[i]).abs() < 1e-9, "{gain:?}");
+    }
+    // So do visual SNR and noise, of the captures of the chart.
+    let of_chart: [fn(&Outcome) -> f64; 2] =
+        [|o| o.targets.visual_snr.median, |o| o.targets.luminance_noise_percent.mean];
+    for (gain, of) in gains[0].gains.metrics.iter().skip(PICTURE_METRICS.len()).zip(of_chart) {
+        let [own, target] = [0, 1].map(|i: usize| of(&compared.outcomes[i][0]));
+        assert!((gain.own / own - 1.0).abs() < 1e-9 && (gain.target / target - 1.0).abs() < 1e-9, "{gain:?}");
     }
 }
 
