@@ -1,6 +1,6 @@
 //! The kernels of a design from the statistics of the light, for all pools and positions.
 
-use super::saturated::Saturated;
+use super::saturated_moments::Saturated;
 use super::statistics::{ClassLight, WIDE, Wide};
 use crate::design::screen::lanes::{Augmented, LANES, Lanes, ZERO, plus_scaled};
 use crate::l3::{ClassPool, Moments, PatchCounts, PoolKernels, PoolSource};

@@ -15,10 +15,12 @@ mod gather;
 #[allow(clippy::needless_range_loop)]
 mod kernel;
 mod saturated;
+mod saturated_moments;
 mod statistics;
 #[cfg(test)]
 mod tests;
 
 pub(super) use kernel::{EvenPatches, LightSystem};
-pub(super) use saturated::{BrightScene, Saturated};
+pub(super) use saturated::BrightScene;
+pub(super) use saturated_moments::Saturated;
 pub(super) use statistics::ClassLight;

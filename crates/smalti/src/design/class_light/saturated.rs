@@ -7,10 +7,11 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use super::LightSystem;
+use super::kernel::LightSystem;
+use super::saturated_moments::Saturated;
 use super::statistics::ClassLight;
 use crate::design::pixel_light::PixelLight;
-use crate::l3::{ClassPool, Moments, Training, nearest_saturation, saturation_axis};
+use crate::l3::{Moments, Training, nearest_saturation, saturation_axis};
 use crate::numeric::Planes;
 use crate::numeric::normal::normal_pair;
 use crate::numeric::philox::Stream;
@@ -163,40 +164,6 @@ fn patches_with_a_bit(planes: &[(usize, BitRows)], [rows, cols]: [usize; 2], sid
         }
     }
     found
-}
-
-/// The moments of the samples of saturated patches, by position and class.
-#[derive(Debug, Default)]
-pub(in crate::design) struct Saturated {
-    pub(super) classes: Vec<Option<Moments>>,
-    /// Classes of a position, and textures of a level.
-    pub(super) counts: [usize; 2],
-}
-
-impl Saturated {
-    /// The moments of a pool at a position (by index), if there are any.
-    pub(super) fn of(&self, at: usize, pool: ClassPool) -> Option<Moments> {
-        let [classes, textures] = self.counts;
-        let mut sum: Option<Moments> = None;
-        for (class, moments) in self.classes.iter().skip(at * classes).take(classes).enumerate() {
-            let fits = pool.level.is_none_or(|level| level == class / textures)
-                && pool.texture.is_none_or(|texture| texture == class % textures);
-            if let Some(moments) = moments.as_ref().filter(|_| fits) {
-                match &mut sum {
-                    Some(sum) => sum.merge(moments),
-                    None => sum = Some(moments.clone()),
-                }
-            }
-        }
-        sum
-    }
-
-    /// Number of patches of a class at a position (by index), over all pixels.
-    pub(in crate::design) fn count(&self, at: usize, level: usize, texture: usize) -> f64 {
-        let [classes, textures] = self.counts;
-        let of = self.classes.get(at * classes + level * textures + texture);
-        of.and_then(Option::as_ref).map_or(0.0, |m| m.get(0, 0))
-    }
 }
 
 /// The channels of the pixels of a patch at a position, before some rotations and reflections of the patch that lead to the same ones.
@@ -386,7 +353,7 @@ impl Kernel for AddSamples<'_> {
 mod tests {
     use super::*;
     use crate::camera::{Camera, CameraDescription};
-    use crate::l3::{Axes, Levels, representatives};
+    use crate::l3::{Axes, ClassPool, Levels, representatives};
     use crate::scene::{Setting, catalog};
     use crate::sensor::{Cfa, Channel, Mosaic, NoiseMode, SignalNoise};
     use crate::spectrum::{Spectrum, WavelengthGrid};
