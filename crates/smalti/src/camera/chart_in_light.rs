@@ -3,6 +3,7 @@
 use super::chart::{self, PATCH_SAMPLES};
 use super::grey_noise::{COMPARED_NOISE_CAPTURES, GreyNoise};
 use super::{Camera, CameraError, IspFor, Setup};
+use crate::color::Image;
 use crate::isp::Isp;
 use crate::metrics::MetricError;
 use crate::scene::{Setting, macbeth};
@@ -35,21 +36,20 @@ impl<'a> ChartInLight<'a> {
     /// signal, they are 0 and infinite, the worst values.
     pub(super) fn grey_noise(&self, stops: f64, seed: u64) -> Result<[Vec<f64>; 2], CameraError> {
         let Setup { camera, image, light, exposure } = &self.setup.in_light(stops.exp2())?;
-        let (mut visual, mut luminance) = (Vec::new(), Vec::new());
-        for capture in 0..COMPARED_NOISE_CAPTURES {
-            let seed = seed.wrapping_add(capture);
-            let raw = camera.sensor.capture(image, exposure, NoiseMode::All, seed)?;
-            let noise = match GreyNoise::of(&self.isp.render(&raw)?, light) {
-                Ok(noise) => noise,
-                Err(CameraError::Metric(MetricError::Undefined { .. })) => {
-                    let worst = |value| vec![value; COMPARED_NOISE_CAPTURES as usize];
-                    return Ok([0.0, f64::INFINITY].map(worst));
-                }
-                Err(e) => return Err(e),
-            };
-            luminance.push(noise.luminance_noise_percent.mean);
-            visual.push(noise.visual_snr.median);
+        let capture = |number: u64| -> Result<Image, CameraError> {
+            let seed = seed.wrapping_add(number);
+            Ok(self.isp.render(&camera.sensor.capture(image, exposure, NoiseMode::All, seed)?)?)
+        };
+        let captures = (0..COMPARED_NOISE_CAPTURES).map(capture).collect::<Result<Vec<_>, _>>()?;
+        match GreyNoise::of_captures(&captures, light) {
+            Ok(noise) => Ok([
+                noise.iter().map(|n| n.visual_snr.median).collect(),
+                noise.iter().map(|n| n.luminance_noise_percent.mean).collect(),
+            ]),
+            Err(CameraError::Metric(MetricError::Undefined { .. })) => {
+                Ok([0.0, f64::INFINITY].map(|worst| vec![worst; captures.len()]))
+            }
+            Err(e) => Err(e),
         }
-        Ok([visual, luminance])
     }
 }

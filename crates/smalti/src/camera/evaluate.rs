@@ -295,13 +295,13 @@ impl TargetCapture<'_, '_> {
         settings: &EvaluationSettings,
         light: &Spectrum,
     ) -> Result<GreyNoise, CameraError> {
-        let mut captures = vec![GreyNoise::of(first, light)?];
+        let mut captures = vec![first.clone()];
         for capture in 1..settings.noise_captures {
             let seed = settings.seed.wrapping_add(capture);
             let raw = self.camera.sensor.capture(&self.image, &self.exposure, NoiseMode::All, seed)?;
-            captures.push(GreyNoise::of(&self.isp.render(&raw)?, light)?);
+            captures.push(self.isp.render(&raw)?);
         }
-        Ok(GreyNoise::mean(&captures))
+        Ok(GreyNoise::mean(&GreyNoise::of_captures(&captures, light)?))
     }
 
     /// The error of a metric, or the fault of the exposure where it explains the error.

@@ -3,9 +3,9 @@
 use super::chart::{GREYS, LUMINANCE, WHITE, patches};
 use super::{CameraError, GreyScores, PatchScores};
 use crate::color::Image;
-use crate::metrics::luminance_noise::luminance_noise;
+use crate::metrics::luminance_noise::{LuminanceNoise, luminance_noise_of_captures};
 use crate::metrics::visual_snr::visual_snr;
-use crate::metrics::{MetricError, patch_means};
+use crate::metrics::{MetricError, Rect, patch_means};
 use crate::numeric::bootstrap::mean;
 use crate::spectrum::{Observer, Spectrum};
 
@@ -25,22 +25,26 @@ pub(super) struct GreyNoise {
 }
 
 impl GreyNoise {
-    /// Noise of a picture of the chart under an illuminant (photons).
+    /// Noise of captures of the chart under an illuminant (photons), rendered. Luminance noise is relative to the mean over all captures.
     ///
     /// The observer is assumed to be adapted to the picture: white has the chromaticity of the illuminant and the luminance of the
     /// white patch.
-    pub(super) fn of(noisy: &Image, light: &Spectrum) -> Result<Self, CameraError> {
+    pub(super) fn of_captures(captures: &[Image], light: &Spectrum) -> Result<Vec<Self>, CameraError> {
         let rects = patches();
-        let luminance = luminance_noise(noisy.planes(), LUMINANCE, &rects[GREYS])?.percent;
-        let white_y = patch_means(noisy.planes(), &rects[WHITE..=WHITE])?.concat()[LUMINANCE];
+        let planes: Vec<_> = captures.iter().map(Image::planes).collect();
+        let luminance = luminance_noise_of_captures(&planes, LUMINANCE, &rects[GREYS])?;
         let white = Observer::Cie1931.xyz_from_photons(light)?;
-        let white = white.map(|v| v / white[LUMINANCE] * white_y);
-        let visual = |rect| visual_snr(noisy, rect, white, VIEWING_PX_PER_DEGREE);
-        let visual = rects[GREYS].iter().map(|r| visual(*r)).collect::<Result<Vec<f64>, MetricError>>()?;
-        Ok(Self {
-            luminance_noise_percent: PatchScores::new(luminance)?,
-            visual_snr: GreyScores::new(visual)?,
-        })
+        let of = |(noisy, luminance): (&Image, LuminanceNoise)| -> Result<Self, CameraError> {
+            let white_y = patch_means(noisy.planes(), &rects[WHITE..=WHITE])?.concat()[LUMINANCE];
+            let white = white.map(|v| v / white[LUMINANCE] * white_y);
+            let visual = |rect: &Rect| visual_snr(noisy, *rect, white, VIEWING_PX_PER_DEGREE);
+            let visual = rects[GREYS].iter().map(visual).collect::<Result<Vec<f64>, MetricError>>()?;
+            Ok(Self {
+                luminance_noise_percent: PatchScores::new(luminance.percent)?,
+                visual_snr: GreyScores::new(visual)?,
+            })
+        };
+        captures.iter().zip(luminance).map(of).collect()
     }
 
     /// The means over captures, of every patch and of the summaries.

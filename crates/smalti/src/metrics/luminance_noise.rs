@@ -25,14 +25,54 @@ pub fn luminance_noise(
     plane: usize,
     patches: &[Rect],
 ) -> Result<LuminanceNoise, MetricError> {
-    let statistics = plane_statistics(planes, plane, patches)?;
-    let percent: Vec<f64> = statistics.iter().map(|&(mean, std)| 100.0 * std / mean).collect();
-    let mean_percent = percent.iter().sum::<f64>() / percent.len() as f64;
-    Ok(LuminanceNoise { percent, mean_percent })
+    let mut of_one = luminance_noise_of_captures(&[planes], plane, patches)?;
+    of_one.pop().ok_or(MetricError::TooFew { what: "captures", minimum: 1, got: 0 })
+}
+
+/// Luminance noise of several captures of the same patches, each relative to the mean of the patch over all captures. In the dark, noise
+/// moves that mean less than the mean of a single capture, which may be 0.
+///
+/// # Errors
+/// As [`luminance_noise`], for the mean over all captures.
+pub fn luminance_noise_of_captures(
+    captures: &[&Planes],
+    plane: usize,
+    patches: &[Rect],
+) -> Result<Vec<LuminanceNoise>, MetricError> {
+    let of_captures = captures.iter().map(|planes| means_and_deviations(planes, plane, patches));
+    let of_captures = of_captures.collect::<Result<Vec<_>, _>>()?;
+    let mean = |patch: usize| {
+        let means = of_captures.iter().map(|of_patches| of_patches[patch].0);
+        above_0(means.sum::<f64>() / of_captures.len() as f64)
+    };
+    let means = (0..patches.len()).map(mean).collect::<Result<Vec<_>, _>>()?;
+    let noise = |of_patches: &Vec<(f64, f64)>| {
+        let percent: Vec<f64> =
+            of_patches.iter().zip(&means).map(|((_, std), mean)| 100.0 * std / mean).collect();
+        let mean_percent = percent.iter().sum::<f64>() / percent.len() as f64;
+        LuminanceNoise { percent, mean_percent }
+    };
+    Ok(of_captures.iter().map(noise).collect())
 }
 
 /// Mean (above 0) and standard deviation of every patch.
 pub(super) fn plane_statistics(
+    planes: &Planes,
+    plane: usize,
+    patches: &[Rect],
+) -> Result<Vec<(f64, f64)>, MetricError> {
+    let statistics = means_and_deviations(planes, plane, patches)?;
+    statistics.into_iter().map(|(mean, std)| Ok((above_0(mean)?, std))).collect()
+}
+
+/// The mean of a patch, which must be above 0.
+fn above_0(mean: f64) -> Result<f64, MetricError> {
+    let (quantity, reason) = ("noise relative to the mean", "the mean is not above 0");
+    if mean > 0.0 { Ok(mean) } else { Err(MetricError::Undefined { quantity, reason }) }
+}
+
+/// Mean and standard deviation of every patch.
+fn means_and_deviations(
     planes: &Planes,
     plane: usize,
     patches: &[Rect],
@@ -46,12 +86,7 @@ pub(super) fn plane_statistics(
         let values = || rect.values(data, planes.cols());
         finite("a patch", values())?;
         let (mean, variance) = mean_and_variance(values);
-        if mean > 0.0 {
-            Ok((mean, variance.sqrt()))
-        } else {
-            let (quantity, reason) = ("noise relative to the mean", "the mean is not above 0");
-            Err(MetricError::Undefined { quantity, reason })
-        }
+        Ok((mean, variance.sqrt()))
     };
     patches.iter().map(statistics).collect()
 }
@@ -59,6 +94,21 @@ pub(super) fn plane_statistics(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A capture whose mean is below 0 is measured relative to the mean of all.
+    #[test]
+    fn captures_share_their_mean() {
+        let of = |a: f32, b: f32| Planes::new(1, 2, 1, vec![a, b]).unwrap();
+        let (dark, light) = (of(-2.0, 0.0), of(2.0, 4.0));
+        let all = [Rect { row: 0, col: 0, rows: 1, cols: 2 }];
+        let noise = luminance_noise_of_captures(&[&dark, &light], 0, &all).unwrap();
+        assert!(noise.iter().all(|n| (n.mean_percent - 100.0 * 2f64.sqrt()).abs() < 1e-9), "{noise:?}");
+        assert!(matches!(luminance_noise(&dark, 0, &all), Err(MetricError::Undefined { .. })));
+        assert_eq!(
+            luminance_noise_of_captures(&[&light], 0, &all).unwrap(),
+            [luminance_noise(&light, 0, &all).unwrap()]
+        );
+    }
 
     #[test]
     fn noise_of_known_patches() {
