@@ -146,13 +146,13 @@ impl Kernel for Smoothing<'_> {
             }
             let mut sums = centre.map(|c| c.map(|v| 4.0 * v));
             let mut total = [4.0; WIDTH];
-            for down in 0..3 {
-                for right in 0..3 {
+            for (down, vertical) in BINOMIAL.into_iter().enumerate() {
+                for (right, horizontal) in BINOMIAL.into_iter().enumerate() {
                     if down == 1 && right == 1 {
                         continue;
                     }
                     let other = [0, 1, 2].map(|plane| load(plane, down, right));
-                    let binomial = BINOMIAL[down] * BINOMIAL[right];
+                    let binomial = vertical * horizontal;
                     for i in 0..WIDTH {
                         let mut difference = 0.0;
                         for plane in 0..3 {
