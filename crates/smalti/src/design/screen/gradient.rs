@@ -10,7 +10,7 @@
 use super::expected::ExpectedError;
 use super::eye::SampleNoise;
 use super::figures::Figures;
-use super::kernel::{ErrorCovariances, MAX_COMPONENTS, System, add, pairs, signal_error};
+use super::kernel::{ErrorCovariances, MAX_COMPONENTS, System, add, pairs, signal_error, times};
 use super::lanes::{Augmented, LANES, Lanes, ZERO, plus, plus_scaled};
 use super::layout::Layout;
 use super::model::Screen;
@@ -209,22 +209,6 @@ impl<'a> Forward<'a> {
             }
         }
         noise
-    }
-}
-
-/// The covariance of a pair of pixels times the response of a filter: C f, or Cᵀ f.
-#[inline(always)]
-fn times(covariance: &[Lanes], response: &[f64], transposed: bool, out: &mut [Lanes; MAX_COMPONENTS]) {
-    let k = response.len();
-    out[..k].fill(ZERO);
-    for (a, row) in covariance.chunks_exact(k).enumerate() {
-        for (b, c) in row.iter().enumerate() {
-            if transposed {
-                out[b] = plus_scaled(out[b], response[a], *c);
-            } else {
-                out[a] = plus_scaled(out[a], response[b], *c);
-            }
-        }
     }
 }
 

@@ -214,6 +214,27 @@ fn add_pair(
     }
 }
 
+/// The covariance of a pair of pixels times the response of a filter: C f, or Cᵀ f.
+#[inline(always)]
+pub(super) fn times(
+    covariance: &[Lanes],
+    response: &[f64],
+    transposed: bool,
+    out: &mut [Lanes; MAX_COMPONENTS],
+) {
+    let k = response.len();
+    out[..k].fill(ZERO);
+    for (a, row) in covariance.chunks_exact(k).enumerate() {
+        for (b, c) in row.iter().enumerate() {
+            if transposed {
+                out[b] = plus_scaled(out[b], response[a], *c);
+            } else {
+                out[a] = plus_scaled(out[a], response[b], *c);
+            }
+        }
+    }
+}
+
 /// Largest number of spectral components.
 pub(super) const MAX_COMPONENTS: usize = 12;
 
