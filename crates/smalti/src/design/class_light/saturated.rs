@@ -226,15 +226,20 @@ impl ClassLight {
             return Saturated::default();
         }
         let offsets: Vec<usize> = (0..self.taps).map(|tap| tap / side * cols + tap % side).collect();
-        let mut entries: Vec<(usize, usize, u32)> = found
-            .into_iter()
-            .filter(|(.., mask)| axis[nearest_saturation(&axis, *mask)] != 0)
-            .map(|(number, [row, col], _)| {
-                (number, usize::from(self.map.local[row * inner + col]), (row * cols + col) as u32)
-            })
-            .collect();
-        entries.sort_unstable();
-        self.summed(scene, system, &arrangements, &offsets, &entries)
+        let classes = self.counts.len();
+        // The first pixels of the patches of each arrangement and class, in ascending order.
+        let mut of_class: Vec<Vec<u32>> = vec![Vec::new(); arrangements.len() * classes];
+        let mut all: Vec<u32> = Vec::new();
+        for (number, [row, col], mask) in found {
+            if axis[nearest_saturation(&axis, mask)] != 0 {
+                let patch = (row * cols + col) as u32;
+                of_class[number * classes + usize::from(self.map.local[row * inner + col])].push(patch);
+                if all.last() != Some(&patch) {
+                    all.push(patch);
+                }
+            }
+        }
+        self.summed(scene, system, &arrangements, &offsets, (&of_class, &all))
     }
 
     fn arrangements(&self, system: &LightSystem<'_>) -> Vec<Arrangement> {
@@ -254,19 +259,19 @@ impl ClassLight {
         all
     }
 
-    /// The moments of patches, given by arrangement, class and first pixel in ascending order.
+    /// The moments of patches, given by their first pixels for each arrangement and class, and all together.
     fn summed(
         &self,
         scene: &BrightScene,
         system: &LightSystem<'_>,
         arrangements: &[Arrangement],
         offsets: &[usize],
-        entries: &[(usize, usize, u32)],
+        (of_class, all): (&[Vec<u32>], &[u32]),
     ) -> Saturated {
         let (classes, filters) = (self.counts.len(), system.responses.len());
         let mut slots = vec![u32::MAX; scene.order.len()];
         let mut samples: Vec<f32> = Vec::new();
-        for pixel in entries.iter().flat_map(|(.., patch)| offsets.iter().map(|o| *patch as usize + o)) {
+        for pixel in all.iter().flat_map(|patch| offsets.iter().map(|o| *patch as usize + o)) {
             if slots[pixel] == u32::MAX {
                 slots[pixel] = (samples.len() / filters) as u32;
                 samples.extend(system.responses.iter().map(|r| scene.sample(pixel, r) as f32));
@@ -274,11 +279,11 @@ impl ClassLight {
         }
         let targets: Vec<&[f32]> = scene.target.planes().collect();
         let stride = (1 + self.taps + targets.len()).next_multiple_of(LANES);
-        let mut all: Vec<Option<Moments>> = vec![None; classes * system.positions.len()];
+        let mut moments_of: Vec<Option<Moments>> = vec![None; classes * system.positions.len()];
         let mut places: Vec<usize> = (0..1 + self.taps + targets.len()).collect();
         let mut batch = vec![0.0; BATCH * stride];
-        for run in entries.chunk_by(|a, b| a.0 == b.0 && a.1 == b.1) {
-            let (arrangement, class) = (&arrangements[run[0].0], run[0].1);
+        for (number, run) in of_class.iter().enumerate().filter(|(_, run)| !run.is_empty()) {
+            let (arrangement, class) = (&arrangements[number / classes], number % classes);
             let mut sums = vec![0.0; stride * stride];
             for part in run.chunks(BATCH) {
                 dispatch(AddSamples {
@@ -302,18 +307,18 @@ impl ClassLight {
                 let turn = &self.turns[*number];
                 let turned = class / self.textures * self.textures + turn.textures[class % self.textures];
                 places[1..].iter_mut().zip(&turn.taps).for_each(|(place, tap)| *place = 1 + tap);
-                all[arrangement.at * classes + turned]
+                moments_of[arrangement.at * classes + turned]
                     .get_or_insert_with(|| Moments::new(self.taps, targets.len()))
                     .merge_permuted(&moments, &places);
             }
         }
-        Saturated { classes: all, counts: [classes, self.textures] }
+        Saturated { classes: moments_of, counts: [classes, self.textures] }
     }
 }
 
 /// Adds Σ z zᵀ of the samples and targets of some patches.
 struct AddSamples<'a> {
-    patches: &'a [(usize, usize, u32)],
+    patches: &'a [u32],
     offsets: &'a [usize],
     channels: &'a [usize],
     slots: &'a [u32],
@@ -334,7 +339,7 @@ impl Kernel for AddSamples<'_> {
         let Self { patches, offsets, channels, slots, samples, filters, .. } = self;
         let Self { targets, scale, batch, stride, sums, .. } = self;
         let middle = offsets[offsets.len() / 2];
-        for (z, (.., patch)) in batch.chunks_exact_mut(stride).zip(patches) {
+        for (z, patch) in batch.chunks_exact_mut(stride).zip(patches) {
             let patch = *patch as usize;
             z.fill(0.0);
             z[0] = 1.0;
