@@ -12,6 +12,8 @@ use smalti_io::dataset::{Dataset, DatasetError, Run};
 use crate::fixtures::{assert_same, columns, fill, plan, whole};
 
 const DIR: &str = "SMALTI_TEST_DIR";
+/// A worker with this variable waits for its input, which never comes, before its first part.
+const HOLD: &str = "SMALTI_TEST_HOLD";
 const TRIALS: u64 = 400;
 
 /// The other process, which fills a folder until it has finished or is killed.
@@ -21,6 +23,9 @@ fn worker() {
     let dir = std::env::var_os(DIR).unwrap();
     let run = Run::open(Path::new(&dir), &plan(TRIALS, 2), None).unwrap();
     println!("\nbegun");
+    if std::env::var_os(HOLD).is_some() {
+        std::io::stdin().read_line(&mut String::new()).unwrap();
+    }
     for &chunk in run.missing() {
         let result = run.write(chunk, &columns(&run.manifest().plan, chunk));
         if let Err(error) = result {
@@ -39,6 +44,7 @@ fn start(dir: &Path, command: &str) -> (Child, std::io::Lines<BufReader<ChildStd
         .arg(std::env::current_exe().unwrap())
         .args(["--ignored", "--exact", "--nocapture", "processes::worker"])
         .env(DIR, dir)
+        .stdin(Stdio::piped())
         .stdout(Stdio::piped())
         .spawn()
         .unwrap();
@@ -54,7 +60,9 @@ fn a_lock_ends_with_its_process_and_killed_runs_are_continued() {
     let plan = plan(TRIALS, 2);
     whole(&expected, &plan);
     for round in 0..8 {
-        let (mut child, lines) = start(&results, r#"exec "$@""#);
+        // The first is still at work, however fast it is, when the folder is opened beside it.
+        let command = if round == 0 { format!(r#"{HOLD}=1 exec "$@""#) } else { r#"exec "$@""#.to_owned() };
+        let (mut child, lines) = start(&results, &command);
         if round == 0 {
             let error = Run::open(&results, &plan, None).unwrap_err();
             let by = format!("process {}", child.id());
