@@ -140,19 +140,22 @@ def test_a_stop_of_aperture_is_a_stop_of_light() -> None:
 
 def test_best_quality_refines_pictures() -> None:
     camera = smalti.Camera("bayer", set=SMALL)
-    settings = {"exposures": [1.0, 0.1, 0.01], "levels": 4, "progress": False}
-    fast = smalti.train(camera, scenes(), **settings)  # type: ignore[arg-type]
+    # A second stage needs to have seen what it refines: uniform colours as dark as the picture.
+    patches = [f"color-patches?rows=128&cols=192&seed={seed}&least=40" for seed in (1, 2, 3, 4, 9)]
+    learned_from = [smalti.Scene(name) for name in patches[:4]]
+    settings = {"exposures": [0.1, 0.03, 0.01, 0.004], "levels": 4, "progress": False}
+    fast = smalti.train(camera, learned_from, **settings)  # type: ignore[arg-type]
     told: list[int] = []
-    best = smalti.train(camera, scenes(), quality="best", **{**settings, "progress": told.append})  # type: ignore[arg-type]
+    best = smalti.train(camera, learned_from, quality="best", **{**settings, "progress": told.append})  # type: ignore[arg-type]
     # Each scene is a step of either stage.
-    assert max(told) == 3
+    assert max(told) == 4
     np.testing.assert_array_equal(best.weights, fast.weights)
     assert best.provenance["training"]["quality"] == "best"
-    photo = camera.photograph(smalti.Scene("macbeth", luminance_cd_m2=1.0))
+    photo = camera.photograph(smalti.Scene(patches[4], luminance_cd_m2=1.0))
     reference = photo.reference()
     errors = [smalti.score_picture(p.render(photo.raw), reference)["pixel_delta_e_2000_mean"] for p in (fast, best)]
-    assert errors[1] < 0.9 * errors[0]
+    assert errors[1] < 0.95 * errors[0]
     with pytest.raises(smalti.SmaltiError, match="no fixed-point form"):
         best.render_outputs(photo.raw, fixed_point=True)
     with pytest.raises(ValueError, match="quality"):
-        smalti.train(camera, scenes(), quality="good", progress=False)  # type: ignore[arg-type]
+        smalti.train(camera, learned_from, quality="good", progress=False)  # type: ignore[arg-type]
