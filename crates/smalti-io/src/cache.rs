@@ -30,10 +30,7 @@ impl Store for Cache {
     }
 
     fn statistics(&self, key: &str) -> Option<Statistics> {
-        let path = self.path(&statistics_key(key), STATISTICS_EXTENSION)?;
-        let statistics = l3::read_statistics(&path).ok()?;
-        mark_used(&path);
-        Some(statistics)
+        self.kept(&statistics_key(key), STATISTICS_EXTENSION, |path| l3::read_statistics(path).ok())
     }
 
     fn keep_statistics(&self, key: &str, statistics: &Statistics) {
@@ -41,10 +38,7 @@ impl Store for Cache {
     }
 
     fn pipeline(&self, key: &str) -> Option<Pipeline> {
-        let path = self.path(&pipeline_key(key), PIPELINE_EXTENSION)?;
-        let pipeline = l3::read_table(&path).ok()?;
-        mark_used(&path);
-        Some(pipeline)
+        self.kept(&pipeline_key(key), PIPELINE_EXTENSION, |path| l3::read_table(path).ok())
     }
 
     fn keep_pipeline(&self, key: &str, pipeline: &Pipeline) {
@@ -52,10 +46,8 @@ impl Store for Cache {
     }
 
     fn scores(&self, key: &str) -> Option<PictureFigures> {
-        let path = self.path(&scores_key(key), SCORES_EXTENSION)?;
-        let scores = serde_json::from_slice(&fs::read(&path).ok()?).ok()?;
-        mark_used(&path);
-        Some(scores)
+        let read = |path: &Path| serde_json::from_slice(&fs::read(path).ok()?).ok();
+        self.kept(&scores_key(key), SCORES_EXTENSION, read)
     }
 
     fn keep_scores(&self, key: &str, scores: &PictureFigures) {
@@ -128,6 +120,14 @@ impl Cache {
 
     fn path(&self, key: &Hash, extension: &str) -> Option<PathBuf> {
         self.dir.as_ref().map(|d| d.join(format!("{key}.{extension}")))
+    }
+
+    /// Reads an entry, if there is one that can be read.
+    fn kept<T>(&self, key: &Hash, extension: &str, read: impl FnOnce(&Path) -> Option<T>) -> Option<T> {
+        let path = self.path(key, extension)?;
+        let found = read(&path)?;
+        mark_used(&path);
+        Some(found)
     }
 
     /// Writes an entry. A cache that cannot be written costs time, not the result.

@@ -138,7 +138,7 @@ pub(crate) fn refine_pipeline(
     let settings = TrainingSettings { target_light, sharp, exposures, seed, ..TrainingSettings::default() };
     let sources = sources(own, scenes, pairs, align, &illuminants, training_set)?;
     watched(py, progress.map(Told::Steps), |watch| {
-        Ok(PyPipeline(refine(own, &settings, pipeline.0.clone(), &sources, watch).or_raise()?))
+        Ok(PyPipeline(refine(own, &settings, &pipeline.0, &sources, watch).or_raise()?))
     })
 }
 

@@ -30,8 +30,7 @@ pub(super) fn read(opened: &Opened<'_>) -> Result<Option<Refinement>, IoError> {
     if !opened.has(AXES) {
         return Ok(None);
     }
-    let stated: RefinementAxes = opened.json(AXES)?;
-    let axes = RefinementAxes::new(stated.levels().clone(), stated.noise()).at(opened.path())?;
+    let axes: RefinementAxes = opened.json(AXES)?;
     let classes = [axes.levels().count(), axes.structures()];
     let of_classes = |more: &[usize]| [&classes, more].concat();
     let weights = opened.shaped("refinement_weights", &of_classes(&[OUTPUTS, REFINEMENT_INPUTS]))?;

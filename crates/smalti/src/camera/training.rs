@@ -158,8 +158,8 @@ impl Camera {
         let noise = self.sensor.signal_noise(&self.nominal_exposure()?)?;
         let ((white, brightest), cells) = (self.white_responses(light)?, self.sensor.cfa.mosaic().cells());
         let mean = cells.iter().map(|&c| white[usize::from(c)] / brightest).sum::<f64>() / cells.len() as f64;
-        let dark = noise.constant + noise.row + noise.column;
-        let of_y = [(dark / (mean * mean)).max(1e-12), noise.per_signal / mean, noise.quadratic()];
+        let of_y =
+            [(noise.variance(0.0) / (mean * mean)).max(1e-12), noise.per_signal / mean, noise.quadratic()];
         let levels = Levels::logarithmic(REFINEMENT_LEVELS, of_y[0].sqrt() / 2.0, HIGHEST_CUT)?;
         Ok(RefinementAxes::new(levels, of_y.map(|v| v as f32))?)
     }

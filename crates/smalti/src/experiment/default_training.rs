@@ -133,32 +133,23 @@ fn refined(
     settings: &TrainingSettings,
     resources: Resources<'_>,
 ) -> Result<Vec<Pipeline>, ExperimentError> {
-    let stored: Vec<Option<Pipeline>> = pipelines.iter().map(|p| resources.store.pipeline(&p.key)).collect();
-    let mut gathered = Vec::with_capacity(pipelines.len());
-    for (FirstStage { of, light, pipeline, .. }, _) in
-        pipelines.iter().zip(&stored).filter(|(_, stored)| stored.is_none())
-    {
+    let mut refined: Vec<Option<Pipeline>> =
+        pipelines.iter().map(|first| resources.store.pipeline(&first.key)).collect();
+    let missing: Vec<(&FirstStage<'_>, &mut Option<Pipeline>)> =
+        pipelines.iter().zip(&mut refined).filter(|(_, stored)| stored.is_none()).collect();
+    let mut gathered = Vec::with_capacity(missing.len());
+    for (FirstStage { of, light, pipeline, .. }, _) in &missing {
         let learner = second_stage(of.camera, light, pipeline).map_err(|e| e.of_camera(of.label))?;
         gathered.push(Gathering { of: *of, learner });
     }
     add_default_set(gathered.iter_mut().collect(), settings, resources)?;
-    let mut solved = gathered.iter().map(|g| g.learner.statistics.solve()).collect::<Vec<_>>().into_iter();
-    let mut refined = Vec::with_capacity(pipelines.len());
-    for (FirstStage { of, pipeline, key, .. }, stored) in pipelines.into_iter().zip(stored) {
-        let with_both = match stored {
-            Some(stored) => stored,
-            None => {
-                let second = solved.next().transpose();
-                let both = second.and_then(|second| pipeline.with_refinement(second));
-                let both = both.in_context(|| "learning".into());
-                let both = both.map_err(|e: ExperimentError| e.of_camera(of.label))?;
-                resources.store.keep_pipeline(&key, &both);
-                both
-            }
-        };
-        refined.push(with_both);
+    for ((first, both), Gathering { of, learner }) in missing.into_iter().zip(gathered) {
+        let solved = learner.solve().in_context(|| "learning".into());
+        let solved = solved.map_err(|e: ExperimentError| e.of_camera(of.label))?;
+        resources.store.keep_pipeline(&first.key, &solved);
+        *both = Some(solved);
     }
-    Ok(refined)
+    Ok(refined.into_iter().flatten().collect())
 }
 
 /// A training, and what it has learned so far.

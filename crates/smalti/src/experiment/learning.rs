@@ -173,7 +173,7 @@ pub fn gather<E: From<ExperimentError>>(
 pub fn refine<E: From<ExperimentError>>(
     camera: &Camera,
     settings: &TrainingSettings,
-    pipeline: Pipeline,
+    pipeline: &Pipeline,
     sources: &TrainingSources<'_, E>,
     progress: &dyn Progress,
 ) -> Result<Pipeline, E> {
@@ -181,10 +181,9 @@ pub fn refine<E: From<ExperimentError>>(
         return Err(ExperimentError::NothingToRefineFrom.into());
     }
     progress.expect(sources.steps());
-    let mut stage = second_stage(camera, &sources.light(camera)?, &pipeline)?;
+    let mut stage = second_stage(camera, &sources.light(camera)?, pipeline)?;
     sources.add_to(&mut stage, camera, settings, progress)?;
-    let refinement = stage.statistics.solve().map_err(ExperimentError::from)?;
-    Ok(pipeline.with_refinement(Some(refinement)).map_err(ExperimentError::from)?)
+    Ok(stage.solve().map_err(ExperimentError::from)?)
 }
 
 /// Learns a pipeline: [`gather`], then [`solve`], which is one further step of progress, then [`refine`] for best quality.
@@ -206,7 +205,7 @@ pub fn learn<E: From<ExperimentError>>(
     let mut pipeline = solve(&statistics, training, Some(&record))?;
     progress.done();
     if training.quality == Quality::Best {
-        pipeline = refine(camera, settings, pipeline, sources, progress)?;
+        pipeline = refine(camera, settings, &pipeline, sources, progress)?;
     }
     Ok(Learned { statistics, pipeline, alignments })
 }

@@ -46,9 +46,7 @@ pub(super) fn second_stage<'a>(
     light: &Spectrum,
     pipeline: &'a Pipeline,
 ) -> Result<SecondStage<'a>, ExperimentError> {
-    if pipeline.outputs() != ["X", "Y", "Z"] {
-        return Err(ExperimentError::NotRefined(pipeline.outputs().join(", ")));
-    }
+    pipeline.ensure_picture().map_err(|_| ExperimentError::NotRefined(pipeline.outputs().join(", ")))?;
     let axes = camera.refinement_axes(light).in_context(|| "learning".into())?;
     Ok(SecondStage { pipeline, statistics: RefinementStatistics::new(axes) })
 }

@@ -135,6 +135,16 @@ pub enum L3Error {
     Isp(#[from] IspError),
 }
 
+/// Checks that the values of a plane with `cols` columns are finite; `what` is its name in the error.
+pub(super) fn ensure_finite(what: &str, values: &[f32], cols: usize) -> Result<(), L3Error> {
+    match values.iter().position(|v| !v.is_finite()) {
+        None => Ok(()),
+        Some(i) => {
+            Err(L3Error::Value { what: what.to_owned(), row: i / cols, col: i % cols, value: values[i] })
+        }
+    }
+}
+
 /// Checks that a number lies within a range.
 pub(super) fn within(
     name: &'static str,

@@ -33,6 +33,16 @@ pub struct SecondStage<'a> {
     pub statistics: RefinementStatistics,
 }
 
+impl SecondStage<'_> {
+    /// The pipeline of both stages.
+    ///
+    /// # Errors
+    /// When nothing was learned, the moments of a class have no solution, or the outputs of the pipeline are not X, Y, Z.
+    pub fn solve(&self) -> Result<Pipeline, L3Error> {
+        self.pipeline.clone().with_refinement(Some(self.statistics.solve()?))
+    }
+}
+
 impl Learner for SecondStage<'_> {
     fn axes(&self) -> &Axes {
         self.pipeline.axes()

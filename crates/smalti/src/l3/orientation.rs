@@ -132,7 +132,7 @@ impl Columns for Directions<'_> {
 /// The index of the orientation (0°, 45°, 90°, 135°, from right towards down) nearest to half the angle of
 /// (`cos`, `sin`).
 #[inline(always)]
-fn direction(cos: f32, sin: f32) -> u32 {
+pub(super) fn direction(cos: f32, sin: f32) -> u32 {
     // Doubled, the orientations are 0°, 90°, 180° and 270°.
     let along = if cos >= 0.0 { 0 } else { 2 };
     let slanted = if sin > 0.0 { 1 } else { 3 };

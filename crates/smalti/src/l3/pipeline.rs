@@ -205,10 +205,19 @@ impl Pipeline {
     /// # Errors
     /// [`L3Error::NoPicture`] when its outputs are not X, Y, Z.
     pub fn with_refinement(self, refinement: Option<Refinement>) -> Result<Self, L3Error> {
-        if refinement.is_some() && self.outputs() != ["X", "Y", "Z"] {
-            return Err(L3Error::NoPicture(self.outputs().join(", ")));
+        if refinement.is_some() {
+            self.ensure_picture()?;
         }
         Ok(Self { refinement, ..self })
+    }
+
+    /// Checks that the outputs are X, Y, Z.
+    ///
+    /// # Errors
+    /// [`L3Error::NoPicture`].
+    pub fn ensure_picture(&self) -> Result<(), L3Error> {
+        let outputs = self.outputs();
+        if outputs == ["X", "Y", "Z"] { Ok(()) } else { Err(L3Error::NoPicture(outputs.join(", "))) }
     }
 
     /// The second stage, if there is one.

@@ -58,11 +58,15 @@ impl PatchCounts {
         Self { textures: axes.textures(), classes, groups: Symmetry::of(axes).groups }
     }
 
+    /// A representative position and those that are equivalent; none for other positions.
+    fn members(&self, position: usize) -> &[Member] {
+        let found = self.groups.binary_search_by_key(&position, |(p, _)| *p);
+        found.map_or(&[], |at| self.groups[at].1.as_slice())
+    }
+
     /// Number of positions that are equivalent to a representative one.
     pub(crate) fn cells(&self, position: usize) -> usize {
-        let found = self.groups.binary_search_by_key(&position, |(p, _)| *p);
-        let members = found.map_or(&[][..], |at| self.groups[at].1.as_slice());
-        members.iter().map(|m| m.position).collect::<BTreeSet<usize>>().len()
+        self.members(position).iter().map(|m| m.position).collect::<BTreeSet<usize>>().len()
     }
 
     /// Number of patches of a pool around a representative position and those that are equivalent, without repetitions; `further` is the
@@ -73,8 +77,7 @@ impl PatchCounts {
         pool: ClassPool,
         further: &dyn Fn(usize, usize) -> f64,
     ) -> u64 {
-        let found = self.groups.binary_search_by_key(&position, |(p, _)| *p);
-        let members = found.map_or(&[][..], |at| self.groups[at].1.as_slice());
+        let members = self.members(position);
         let count = self.textures.count();
         let mut all = 0.0;
         for member in members {

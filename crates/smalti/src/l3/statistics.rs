@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use super::error::ensure_finite;
 use super::gather::Gatherer;
 use super::{Axes, ClassKey, L3Error, Moments, Pair};
 use crate::sensor::{Mosaic, RawImage, Sampling};
@@ -259,16 +260,12 @@ impl Statistics {
         if pair.target.count() != self.outputs.len() {
             return Err(L3Error::Outputs { expected: self.outputs.len(), got: pair.target.count() });
         }
-        let finite = |what: String, values: &[f32]| match values.iter().position(|v| !v.is_finite()) {
-            None => Ok(()),
-            Some(i) => Err(L3Error::Value { what, row: i / cols, col: i % cols, value: values[i] }),
-        };
         for (plane, name) in pair.target.planes().zip(&self.outputs) {
-            finite(format!("plane {name} of the target"), plane)?;
+            ensure_finite(&format!("plane {name} of the target"), plane, cols)?;
         }
         for image in [Some(raw), pair.seen].into_iter().flatten() {
             if let crate::sensor::RawSamples::Analog(v) = image.samples() {
-                finite("the raw image".into(), v)?;
+                ensure_finite("the raw image", v, cols)?;
             }
         }
         match self.levels {

@@ -15,10 +15,26 @@ pub(super) const STRUCTURES: usize = 1 + STRENGTHS.len() * PER_STRENGTH;
 
 /// Classes of pixels by brightness and structure: level × (flat, or strength × (texture, edge 0°, 45°, 90°, 135°)).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(try_from = "Stated")]
 pub struct RefinementAxes {
     levels: Levels,
     noise: [f32; 3],
+}
+
+/// The fields of axes that are not checked yet.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Stated {
+    levels: Levels,
+    noise: [f32; 3],
+}
+
+impl TryFrom<Stated> for RefinementAxes {
+    type Error = L3Error;
+
+    fn try_from(Stated { levels, noise }: Stated) -> Result<Self, L3Error> {
+        Self::new(levels, noise)
+    }
 }
 
 impl RefinementAxes {

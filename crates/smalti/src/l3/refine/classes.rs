@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use super::super::Textures;
+use super::super::orientation::direction;
 use super::axes::{RefinementAxes, STRENGTHS, STRUCTURES, structure};
 use super::stages::{MARGIN, Padded};
 use crate::numeric::simd::{Kernel, dispatch};
@@ -76,7 +77,6 @@ impl Kernel for Classification<'_> {
         classes.clear();
         classes.resize(rows.len() * cols, 0);
         let [v0, v1, v2] = axes.noise();
-        let cuts = axes.levels().cuts();
         for (i, out) in classes.chunks_exact_mut(cols).enumerate() {
             for (plane, average) in scratch.products.iter().zip(&mut scratch.averages) {
                 let lines: [&[f32]; 2 * HALF + 1] =
@@ -109,18 +109,11 @@ impl Kernel for Classification<'_> {
                 for limit in STRENGTHS {
                     strength += u32::from(trace > limit * noise);
                 }
-                // The double angle of the gradient, in quarters of a circle.
-                let (along, across) = (xx - yy, 2.0 * xy);
-                let steep = across.abs() > along.abs();
-                let sign = if steep { across } else { along };
-                let orientation = u32::from(steep) + 2 * u32::from(sign < 0.0);
+                let (difference, twice) = (xx - yy, 2.0 * xy);
                 let coherence = Textures::EDGE_COHERENCE as f32;
-                let is_edge = along * along + across * across > coherence * coherence * trace * trace;
-                let kind = if is_edge { 1 + orientation } else { 0 };
-                let mut level = 0;
-                for &cut in cuts {
-                    level += u32::from(mean >= cut);
-                }
+                let is_edge = difference * difference + twice * twice > coherence * coherence * trace * trace;
+                let kind = if is_edge { 1 + direction(difference, twice) } else { 0 };
+                let level = axes.levels().level_of(mean) as u32;
                 *class = level * STRUCTURES as u32 + structure(strength, kind);
             }
         }

@@ -12,7 +12,7 @@ use crate::numeric::Planes;
 use crate::numeric::simd::{Kernel, dispatch};
 
 /// X, Y, Z.
-const OUTPUTS: usize = 3;
+pub(super) const OUTPUTS: usize = 3;
 /// Lanes in which products are summed.
 const LANES: usize = 16;
 /// Weights of a row of a kernel, padded with zeros to whole vectors.

@@ -7,23 +7,24 @@ use crate::numeric::Planes;
 use crate::numeric::mirror::about_outermost;
 use crate::numeric::simd::{Kernel, dispatch};
 
+/// Number of smooth pictures.
+pub(super) const SCALES: usize = 5;
 /// Distances of the neighbours that each smoothing averages.
-const STEPS: [usize; 5] = [1, 2, 4, 8, 16];
+const STEPS: [usize; SCALES] = [1, 2, 4, 8, 16];
 /// Differences of colour up to twice these tolerances count, in standard deviations of a sample: each is half of that of the smoothing
 /// before, because the noise falls about as fast.
-const TOLERANCES: [f32; 5] = [3.0, 1.5, 0.75, 0.375, 0.1875];
+const TOLERANCES: [f32; SCALES] = [3.0, 1.5, 0.75, 0.375, 0.1875];
 /// Contrast that is tolerated as noise is, because it may be an error of the first stage: a tenth.
 const CONTRAST: f32 = 0.1;
-/// Number of smooth pictures.
-pub(super) const SCALES: usize = STEPS.len();
 /// Weights of X, Y and Z in the squared difference of two colours.
 const WEIGHTS: [f32; 3] = [0.5, 1.0, 0.5];
 /// Distance of the farthest pixel of the picture on which an output depends: all smoothings, and the structure around them.
-pub(in super::super) const REACH: usize = 1 + 2 + 4 + 8 + 16 + MARGIN_OF_CLASSES;
+pub(in super::super) const REACH: usize =
+    STEPS[0] + STEPS[1] + STEPS[2] + STEPS[3] + STEPS[4] + MARGIN_OF_CLASSES;
 /// Rows and columns around a pixel that determine its class, in the picture that is classified.
 const MARGIN_OF_CLASSES: usize = 3;
 /// Rows and columns around a picture: the longest step.
-pub(super) const MARGIN: usize = 16;
+pub(super) const MARGIN: usize = STEPS[SCALES - 1];
 /// Columns that one step of the smoothing processes, two vectors.
 const WIDTH: usize = 2 * LANES;
 

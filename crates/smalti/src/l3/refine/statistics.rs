@@ -4,12 +4,13 @@ use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 
+use super::super::error::ensure_finite;
 use super::super::solve::{Solution, regularised};
 use super::super::{L3Error, Moments};
 use super::axes::{RefinementAxes, STRUCTURES};
 use super::classes::{Scratch, classify};
 use super::inputs::{COUNT, Lines, OWN};
-use super::refinement::{Refinement, RefinementClass};
+use super::refinement::{OUTPUTS, Refinement, RefinementClass};
 use super::stages::Stages;
 use crate::numeric::Planes;
 use crate::numeric::products::{LANES, add_products};
@@ -18,8 +19,6 @@ use crate::numeric::simd::{Kernel, dispatch};
 /// Raised when learning the second stage gives other kernels for equal pictures: stages that were kept under another revision are not used.
 pub const REFINEMENT_REVISION: u32 = 1;
 
-/// X, Y, Z.
-const OUTPUTS: usize = 3;
 /// Length of z = (1, inputs, targets), in whole registers.
 const STRIDE: usize = (1 + COUNT + OUTPUTS).next_multiple_of(LANES);
 /// Vectors that are summed at once: they stay in the L1 cache.
@@ -67,11 +66,8 @@ impl RefinementStatistics {
             if planes.count() != OUTPUTS {
                 return Err(L3Error::Outputs { expected: OUTPUTS, got: planes.count() });
             }
-            if let Some(at) = planes.data().iter().position(|v| !v.is_finite()) {
-                let place = at % planes.plane_len();
-                let (row, col) = (place / planes.cols(), place % planes.cols());
-                let what = "a picture to refine".into();
-                return Err(L3Error::Value { what, row, col, value: planes.data()[at] });
+            for plane in planes.planes() {
+                ensure_finite("a picture to refine", plane, planes.cols())?;
             }
         }
         let got = [target.rows(), target.cols()];
@@ -183,10 +179,15 @@ impl Kernel for Sums<'_> {
         let mut sums = vec![0.0; STRIDE * STRIDE];
         let mut batch = vec![0.0f64; BATCH * STRIDE];
         let mut inputs = [0.0f32; STRIDE + 2 * LANES];
+        // Pixels ascend, so that neighbours in the list mostly share their row.
+        let (mut read, mut lines) = (0, Lines::of(self.stages, 0));
         for pixels in self.pixels.chunks(BATCH) {
             for (&pixel, z) in pixels.iter().zip(batch.chunks_exact_mut(STRIDE)) {
                 let (row, col) = (pixel as usize / cols, pixel as usize % cols);
-                Lines::of(self.stages, row).read(col, &mut inputs);
+                if row != read {
+                    (read, lines) = (row, Lines::of(self.stages, row));
+                }
+                lines.read(col, &mut inputs);
                 z[0] = 1.0;
                 z[1..=COUNT].iter_mut().zip(&inputs).for_each(|(z, &v)| *z = f64::from(v));
                 let targets = z[1 + COUNT..].iter_mut().zip(self.target.planes());

@@ -148,9 +148,7 @@ impl Pipeline {
     /// # Errors
     /// [`L3Error::Mosaic`] or [`L3Error::NoPicture`].
     pub fn ensure_renders(&self, cfa: &Cfa) -> Result<(), L3Error> {
-        if self.outputs() != ["X", "Y", "Z"] {
-            return Err(L3Error::NoPicture(self.outputs().join(", ")));
-        }
+        self.ensure_picture()?;
         let names: Vec<String> = cfa.channels().iter().map(|c| c.name.clone()).collect();
         let (own, got) = (self.axes().mosaic(), cfa.mosaic());
         let mut shifts = (0..own.rows()).flat_map(|r| (0..own.cols()).map(move |c| own.shifted(r, c)));

@@ -55,6 +55,14 @@ fn condition() -> ScreenCondition {
     ScreenCondition { luminance_cd_m2: LUMINANCE, time: ScreenTime::Fixed(TIME_S) }
 }
 
+/// The closed form on patches of 3 × 3 pixels of one picture of leaves, every `step_px` pixels.
+fn screen(seed: u32, max_components: usize, step_px: usize) -> Screen {
+    let camera = camera();
+    let settings = LightSettings { side: 3, max_components, step_px, ..settings(LightClasses::default()) };
+    let statistics = statistics(&camera, &[leaves(&camera, seed)], &settings);
+    Screen::new(&camera, &statistics, &[condition()]).unwrap()
+}
+
 fn bayer() -> Cfa {
     let channel = |name: &str, center_nm, sigma_nm| Channel {
         name: name.into(),
@@ -159,13 +167,7 @@ fn derivatives_are_right(camera: &Camera, side: usize) {
 
 #[test]
 fn one_set_has_the_figures_that_it_has_among_others() {
-    let camera = camera();
-    let statistics = statistics(
-        &camera,
-        &[leaves(&camera, 4)],
-        &LightSettings { side: 3, max_components: 4, step_px: 3, ..settings(LightClasses::default()) },
-    );
-    let screen = Screen::new(&camera, &statistics, &[condition()]).unwrap();
+    let screen = screen(4, 4, 3);
     let mosaic = Mosaic::new(2, 2, vec![0, 1, 2, 3]).unwrap();
     let sets: Vec<FilterResponses> = (0..20).map(|i| random_responses(4 + i % 2, 4)).collect();
     let all = screen.expected_of(&mosaic, &sets, Figures::All);

@@ -1,7 +1,6 @@
 //! Searches of filters and layouts: reproducible, of filters that can be made, and as good as trying all.
 
-use smalti::design::light::{LightClasses, LightSettings};
-use smalti::design::screen::{ExpectedError, Screen};
+use smalti::design::screen::ExpectedError;
 use smalti::design::search::{
     Annealing, FilterSearch, FilterSpace, FreeCurves, LayoutRules, LayoutSearch, Measured, Objective,
     Pigments, SearchSettings,
@@ -9,21 +8,14 @@ use smalti::design::search::{
 use smalti::design::{Symmetry, Tile};
 use smalti::sensor::{Filter, Mosaic};
 
-use super::{GRID, camera, condition, leaves, search, settings, statistics};
+use super::{GRID, screen, search};
 
 /// The same search finds the same filters, whose cost is not above that of any start that was drawn.
 #[test]
 fn a_search_is_reproducible_and_its_filters_can_be_made() {
-    let camera = camera();
-    let statistics = statistics(
-        &camera,
-        &[leaves(&camera, 5)],
-        &LightSettings { side: 3, max_components: 5, step_px: 3, ..settings(LightClasses::default()) },
-    );
-    let screen = Screen::new(&camera, &statistics, &[condition()]).unwrap();
     let space = FilterSpace::Pigments(Pigments::default()).sampled(GRID).unwrap();
     let settings = SearchSettings { starts: 4, steps: 30, seed: 9 };
-    let (screens, goal) = ([screen], Objective::default().goal(&[ExpectedError::default()]));
+    let (screens, goal) = ([screen(5, 5, 3)], Objective::default().goal(&[ExpectedError::default()]));
     let search = FilterSearch { settings, ..search(&screens, &space, &goal) };
     let mosaic = Mosaic::new(2, 2, vec![0, 1, 2, 1]).unwrap();
     let run = || search.filters(&mosaic, &[], 3, &|_| true).unwrap();
@@ -49,11 +41,7 @@ fn a_search_is_reproducible_and_its_filters_can_be_made() {
 /// Filters that are given stay as they are, and the others are found beside them.
 #[test]
 fn given_filters_are_kept() {
-    let camera = camera();
-    let settings =
-        LightSettings { side: 3, max_components: 5, step_px: 3, ..settings(LightClasses::default()) };
-    let statistics = statistics(&camera, &[leaves(&camera, 5)], &settings);
-    let screens = [Screen::new(&camera, &statistics, &[condition()]).unwrap()];
+    let screens = [screen(5, 5, 3)];
     let space = FilterSpace::Free(FreeCurves::default()).sampled(GRID).unwrap();
     let goal = Objective::default().goal(&[ExpectedError::default()]);
     let clear = Filter::Flat(0.9).spectrum(GRID).unwrap();
@@ -71,11 +59,7 @@ fn given_filters_are_kept() {
 /// A choice among filters is that of the cheapest of all sets, and the exchange of one at a time finds it as well.
 #[test]
 fn the_choice_among_filters_is_the_cheapest() {
-    let camera = camera();
-    let settings =
-        LightSettings { side: 3, max_components: 5, step_px: 4, ..settings(LightClasses::default()) };
-    let statistics = statistics(&camera, &[leaves(&camera, 5)], &settings);
-    let screens = [Screen::new(&camera, &statistics, &[condition()]).unwrap()];
+    let screens = [screen(5, 5, 4)];
     let goal = Objective::default().goal(&[ExpectedError::default()]);
     let mosaic = Mosaic::new(2, 2, vec![0, 1, 2, 1]).unwrap();
     let curve =
@@ -100,11 +84,7 @@ fn the_choice_among_filters_is_the_cheapest() {
 /// Annealing finds the layout that is the best of all, in tiles that are small enough to try each.
 #[test]
 fn annealing_finds_what_enumeration_finds() {
-    let camera = camera();
-    let settings =
-        LightSettings { side: 3, max_components: 5, step_px: 3, ..settings(LightClasses::default()) };
-    let statistics = statistics(&camera, &[leaves(&camera, 5)], &settings);
-    let screens = [Screen::new(&camera, &statistics, &[condition()]).unwrap()];
+    let screens = [screen(5, 5, 3)];
     let space = FilterSpace::Free(FreeCurves::default()).sampled(GRID).unwrap();
     let goal = Objective::default().goal(&[ExpectedError::default()]);
     let settings = SearchSettings { starts: 6, steps: 60, seed: 2 };
