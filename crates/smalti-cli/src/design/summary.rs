@@ -100,7 +100,8 @@ fn front(task: &DesignTask, points: &[FrontPoint]) -> String {
             point.cfa.name.clone(),
             point.cfa.mosaic.channels().to_string(),
         ];
-        cells.extend(point.costs.iter().map(|cost| format!("{cost:.3}")));
+        let costs = point.costs.iter().take(front.aims.len());
+        cells.extend(costs.map(|cost| format!("{cost:.3}")));
         cells.extend([cpsnr, delta_e, scielab]);
         cells
     };

@@ -92,17 +92,28 @@ fn a_proof_is_a_comparison_with_the_rivals() {
     assert!(run.code == 1 && run.err.contains("no results of a search"), "{}", run.err);
 }
 
-/// Two aims, three compromises.
-const FRONT: &str = "[front]\npoints = 3\n[[front.aims]]\nname = \"noise\"\ncpsnr_db = 1\n[[front.aims]]\nname = \"colour\"\ndelta_e_2000 = 1\n";
+/// Two aims and the number of filters, three compromises for each number.
+const FRONT: &str = "[front]\npoints = 3\nfilters = true\n[[front.aims]]\nname = \"noise\"\ncpsnr_db = 1\n[[front.aims]]\nname = \"colour\"\ndelta_e_2000 = 1\n";
 
 #[test]
 fn a_search_goes_on_from_its_log_and_its_light() {
     let place = Place::new();
-    place.write("small.toml", SMALL.to_owned() + FRONT);
+    let small = SMALL.replace("colors = [3]", "colors = [3, 4]").replace("[[\"bc\", \"ab\"]]", "[[\"bc\", \"ab\"], [\"bc\", \"ad\"]]");
+    place.write("small.toml", small + FRONT);
     let options = "--no-pipeline --training-set catalog";
     let printed = place.ok(&format!("design small.toml -o best {options}"));
     assert!(printed.contains("The front: ") && printed.contains("front/1.toml"), "{printed}");
     let points = place.json("best/results.json")["front"]["points"].as_array().unwrap().clone();
+    let costs: Vec<Vec<f64>> =
+        points.iter().map(|p| serde_json::from_value(p["costs"].clone()).unwrap()).collect();
+    // The last cost is the number of filters. Fewer filters stay beside more, and no point is surpassed in everything.
+    for filters in [3, 4] {
+        let of = |p: &&Value| p["design"]["filters"] == filters;
+        assert!(points.iter().any(|p| of(&p)), "{points:?}");
+        assert!(points.iter().filter(of).all(|p| p["costs"][2] == f64::from(filters)));
+    }
+    let surpasses = |a: &Vec<f64>, b: &Vec<f64>| a != b && a.iter().zip(b).all(|(a, b)| a <= b);
+    assert!(costs.iter().all(|b| !costs.iter().any(|a| surpasses(a, b))), "{costs:?}");
     assert!(points.len() > 1 && place.path(&format!("best/front/{}.toml", points.len())).exists());
     let page = String::from_utf8(place.read("best/design.html")).unwrap();
     assert!(page.contains("id=\"front\""));

@@ -141,6 +141,9 @@ pub(super) struct Cause {
 #[derive(Debug, Clone, Default, Deserialize)]
 pub(super) struct Front {
     pub(super) aims: Option<Vec<FrontAim>>,
+    /// Whether the number of filters is an aim as well.
+    #[serde(default)]
+    pub(super) filters: bool,
     pub(super) points: Vec<FrontPoint>,
 }
 
@@ -150,7 +153,7 @@ pub(super) struct FrontAim {
     pub(super) name: String,
 }
 
-/// A compromise: the cost of each aim, and its array.
+/// A compromise: the cost of each aim, and of its filters if they are one, and its array.
 #[derive(Debug, Clone, Deserialize)]
 pub(super) struct FrontPoint {
     pub(super) costs: Vec<f64>,

@@ -95,6 +95,7 @@ pub fn results(
         "rivals": found.rivals.iter().map(design).collect::<Vec<_>>(),
         "front": {
             "aims": task.front.as_ref().map(|front| &front.aims),
+            "filters": task.front.as_ref().is_some_and(|front| front.filters),
             "points": found.front.iter().map(point).collect::<Vec<_>>(),
         },
     }))

@@ -1,5 +1,7 @@
 //! How the search went.
 
+use std::collections::BTreeMap;
+
 use super::document::{Array, Document, Front, means};
 use crate::comparison::figures::{drawn, look};
 use crate::page::{Markup, Table, el, paragraph};
@@ -70,16 +72,30 @@ fn row(array: &Array, kind: &str) -> [String; 7] {
 pub(super) fn front(front: &Front) -> Option<Markup> {
     let aims: Vec<&str> = front.aims.iter().flatten().map(|aim| aim.name.as_str()).collect();
     let ([first, second, ..], true) = (&aims[..], front.points.len() > 1) else { return None };
-    let of = |aim: usize| front.points.iter().filter_map(|p| p.costs.get(aim).copied()).collect::<Vec<f64>>();
-    let (x, y) = (of(0), of(1));
     let mut plot = Plot::new(*first, *second)
         .title("The best compromises that were found")
-        .note("Costs of two aims, less is better: a figure in dB counts negative. No array that was found is better in every aim than one of these.")
-        .points(Points::new("compromises", &x, &y).radius(6.0).marks())
+        .note(if front.filters {
+            "Costs of two aims, less is better: a figure in dB counts negative. No array that was found with as few filters is better in every aim than one of these."
+        } else {
+            "Costs of two aims, less is better: a figure in dB counts negative. No array that was found is better in every aim than one of these."
+        })
         .size(760.0, 480.0);
-    // Between three aims, a line would join points that are not neighbours.
-    if aims.len() == 2 {
-        plot = plot.line(Line::new("", &x, &y).width(1.5));
+    let mut groups: BTreeMap<usize, (Vec<f64>, Vec<f64>)> = BTreeMap::new();
+    for point in &front.points {
+        if let [x, y, ..] = point.costs[..] {
+            let group = groups.entry(if front.filters { point.design.filters } else { 0 }).or_default();
+            group.0.push(x);
+            group.1.push(y);
+        }
+    }
+    for (i, (filters, (x, y))) in groups.iter().enumerate() {
+        let name = if front.filters { format!("{filters} filters") } else { "compromises".to_owned() };
+        let (color, symbol) = look(i);
+        plot = plot.points(Points::new(name, x, y).color(color).symbol(symbol).radius(6.0).marks());
+        // Between three aims, a line would join points that are not neighbours.
+        if aims.len() == 2 {
+            plot = plot.line(Line::new("", x, y).color(color).width(1.5));
+        }
     }
     let mut table = Table::new("Compromises").text("File").text("Mosaic").number("Filters");
     for aim in &aims {
@@ -88,7 +104,7 @@ pub(super) fn front(front: &Front) -> Option<Markup> {
     table = table.number("CPSNR, dB").number("ΔE2000");
     for (number, point) in (1..).zip(&front.points) {
         let [cpsnr_db, delta_e] = means(&point.design.expected);
-        let costs = point.costs.iter().map(|cost| format!("{cost:.3}").replace('-', "−"));
+        let costs = point.costs.iter().take(aims.len()).map(|cost| format!("{cost:.3}").replace('-', "−"));
         let cells =
             [format!("front/{number}.toml"), point.design.name.clone(), point.design.filters.to_string()]
                 .into_iter()

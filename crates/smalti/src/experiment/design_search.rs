@@ -1,5 +1,6 @@
 //! The parts of a search: mosaics with their filters, layouts, the front.
 
+use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
 
 use super::design_store::{DesignStore, KeptFind};
@@ -32,6 +33,8 @@ pub(super) struct Candidate {
 /// First keys of random numbers.
 pub(super) const RIVALS: u32 = 1 << 16;
 const FRONT: u32 = 1 << 24;
+/// Keys for each number of filters of a front.
+const FRONT_GROUP: usize = 1 << 16;
 
 /// What all parts of a search share.
 #[derive(Clone, Copy)]
@@ -181,21 +184,57 @@ impl<'a> Search<'a> {
         Ok(Some(all.into_iter().map(designed).collect()))
     }
 
-    /// The front: each aim alone, then their compromises, on the mosaics that did best.
+    /// The front: each aim alone, then their compromises, on the mosaics that did best; for each number of filters when that is an aim.
     pub(super) fn front(
         &self,
         given: &[Option<Spectrum>],
         front: &Front,
         searched: &[DesignedCfa],
     ) -> Result<Vec<FrontPoint>, ExperimentError> {
+        let mut groups: BTreeMap<usize, Vec<&DesignedCfa>> = BTreeMap::new();
+        for designed in searched {
+            let group = groups.entry(if front.filters { designed.mosaic.channels() } else { 0 }).or_default();
+            if group.len() < FINALISTS {
+                group.push(designed);
+            }
+        }
+        let mosaics: usize = groups.values().map(Vec::len).sum();
+        self.progress.expect((front.shares().len() * mosaics) as u64);
+        let mut points = Vec::new();
+        for (first_item, (filters, mosaics)) in (FRONT..).step_by(FRONT_GROUP).zip(&groups) {
+            let mut found = self.compromises(given, front, mosaics, first_item)?;
+            if front.filters {
+                found.iter_mut().for_each(|point| point.costs.push(*filters as f64));
+            }
+            points.append(&mut found);
+        }
+        let is_surpassed = |p: &FrontPoint| {
+            let surpasses = |q: &FrontPoint| {
+                let mut pairs = q.costs.iter().zip(&p.costs);
+                pairs.clone().all(|(a, b)| a <= b) && pairs.any(|(a, b)| a < b)
+            };
+            points.iter().any(surpasses)
+        };
+        let mut kept: Vec<FrontPoint> = points.iter().filter(|p| !is_surpassed(p)).cloned().collect();
+        kept.sort_by(|a, b| a.costs[0].total_cmp(&b.costs[0]));
+        kept.dedup_by(|a, b| a.costs == b.costs);
+        Ok(kept)
+    }
+
+    /// The compromises between the aims of a front on some mosaics: the corners first, each after those before it.
+    fn compromises(
+        &self,
+        given: &[Option<Spectrum>],
+        front: &Front,
+        mosaics: &[&DesignedCfa],
+        first_item: u32,
+    ) -> Result<Vec<FrontPoint>, ExperimentError> {
         let luminances = self.task.luminances_cd_m2().repeat(self.screens.len());
         let goals: Vec<Goal> = front.aims.iter().map(|aim| aim.goal(&luminances)).collect();
         let costs =
             |found: &FoundFilters| goals.iter().map(|g| g.cost(&found.expected)).collect::<Vec<f64>>();
-        let mosaics = &searched[..searched.len().min(FINALISTS)];
         let settings = SearchSettings { starts: SHORT.starts, ..self.task.search };
         let shares = front.shares();
-        self.progress.expect((shares.len() * mosaics.len()) as u64);
         let mut points: Vec<FrontPoint> = Vec::new();
         let (mut best, mut span) = (vec![0.0; goals.len()], vec![1.0; goals.len()]);
         for (number, shares) in shares.into_iter().enumerate() {
@@ -219,7 +258,7 @@ impl<'a> Search<'a> {
                     is_published: false,
                     mosaic: designed.mosaic.clone(),
                     first: known.chain(of_neighbours).collect(),
-                    item: FRONT + (number * FINALISTS + at) as u32,
+                    item: first_item + (number * FINALISTS + at) as u32,
                 };
                 let found = self.run(&search, &candidate, &|_| !self.progress.is_stopped())?;
                 let Some(found) = found else {
@@ -228,7 +267,7 @@ impl<'a> Search<'a> {
                 };
                 self.progress.begin(&format!("front, compromise {}", number + 1));
                 self.progress.done();
-                let found = DesignedCfa { found, ..designed.clone() };
+                let found = DesignedCfa { found, ..(*designed).clone() };
                 if winner.as_ref().is_none_or(|w| found.cost() < w.cost()) {
                     winner = Some(found);
                 }
@@ -243,16 +282,6 @@ impl<'a> Search<'a> {
                 points.push(FrontPoint { shares, costs: costs(found), cfa });
             }
         }
-        let is_surpassed = |p: &FrontPoint| {
-            let surpasses = |q: &FrontPoint| {
-                let mut pairs = q.costs.iter().zip(&p.costs);
-                pairs.clone().all(|(a, b)| a <= b) && pairs.any(|(a, b)| a < b)
-            };
-            points.iter().any(surpasses)
-        };
-        let mut kept: Vec<FrontPoint> = points.iter().filter(|p| !is_surpassed(p)).cloned().collect();
-        kept.sort_by(|a, b| a.costs[0].total_cmp(&b.costs[0]));
-        kept.dedup_by(|a, b| a.costs == b.costs);
-        Ok(kept)
+        Ok(points)
     }
 }

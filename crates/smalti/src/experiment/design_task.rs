@@ -106,7 +106,7 @@ impl DesignedCfa {
 pub struct FrontPoint {
     /// The share of each aim.
     pub shares: Vec<f64>,
-    /// The cost of each aim: less is better.
+    /// The cost of each aim, less is better; the number of filters comes last when it is an aim.
     pub costs: Vec<f64>,
     /// The array.
     pub cfa: DesignedCfa,

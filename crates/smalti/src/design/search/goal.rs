@@ -106,6 +106,10 @@ pub struct Front {
     /// Number of compromises between each pair of aims, with both ends, 3 to 50.
     #[serde(default = "default_points")]
     pub points: usize,
+    /// Whether the number of filters, each a coating more to apply, is an aim as well: the compromises are searched for each number in `colors`, and an array
+    /// with fewer filters stays beside a better one with more.
+    #[serde(default)]
+    pub filters: bool,
 }
 
 fn default_points() -> usize {
@@ -360,9 +364,9 @@ mod tests {
             scielab: 0.0,
             luminances_cd_m2: None,
         };
-        let two = Front { aims: vec![aim("a"), aim("b")], points: 5 };
+        let two = Front { aims: vec![aim("a"), aim("b")], points: 5, filters: false };
         assert_eq!(two.shares()[..3], [vec![1.0, 0.0], vec![0.0, 1.0], vec![0.25, 0.75]]);
-        let three = Front { aims: vec![aim("a"), aim("b"), aim("c")], points: 4 };
+        let three = Front { aims: vec![aim("a"), aim("b"), aim("c")], points: 4, filters: false };
         let shares = three.shares();
         assert_eq!(shares.len(), 10);
         assert_eq!(shares[..3], [vec![1.0, 0.0, 0.0], vec![0.0, 1.0, 0.0], vec![0.0, 0.0, 1.0]]);
@@ -387,7 +391,7 @@ mod tests {
             scielab: 0.0,
             luminances_cd_m2: Some(vec![7.0]),
         };
-        let front = Front { aims: vec![aim.clone(), aim], points: 5 };
+        let front = Front { aims: vec![aim.clone(), aim], points: 5, filters: false };
         assert_eq!(key(front.validate(&[1.0, 10.0])), "front.aims[0].luminances_cd_m2");
     }
 }
