@@ -12,6 +12,8 @@ const USUAL_ROWS: usize = 24;
 /// Rows for the bar, which may wrap, and the prompt.
 const BAR_ROWS: usize = 4;
 const TEMPLATE: &str = "{prefix}{bar:24} {human_pos}/{human_len}{rate}  {msg}  {elapsed}, about {eta} left";
+/// Before the number of steps is known, a bar would be full.
+const WITHOUT_STEPS: &str = "{prefix}{msg}  {elapsed}";
 
 /// The number of steps, with the name of the current one.
 pub(crate) struct Progress {
@@ -29,14 +31,19 @@ impl Progress {
         } else {
             ProgressBar::with_draw_target(Some(steps), ProgressDrawTarget::stderr())
         };
-        if let Ok(style) = ProgressStyle::with_template(TEMPLATE) {
+        let progress = Self { bar, quiet };
+        progress.style(if steps == 0 { WITHOUT_STEPS } else { TEMPLATE });
+        progress.bar.enable_steady_tick(Duration::from_millis(200));
+        progress
+    }
+
+    fn style(&self, template: &str) {
+        if let Ok(style) = ProgressStyle::with_template(template) {
             let rate = |state: &ProgressState, out: &mut dyn Write| {
                 let _ = out.write_str(&rate(state.per_sec()));
             };
-            bar.set_style(style.with_key("rate", rate));
+            self.bar.set_style(style.with_key("rate", rate));
         }
-        bar.enable_steady_tick(Duration::from_millis(200));
-        Self { bar, quiet }
     }
 
     /// Removes the bar.
@@ -47,6 +54,9 @@ impl Progress {
 
 impl smalti::experiment::Progress for Progress {
     fn expect(&self, steps: u64) {
+        if self.bar.length() == Some(0) {
+            self.style(TEMPLATE);
+        }
         self.bar.inc_length(steps);
     }
 

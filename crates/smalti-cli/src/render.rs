@@ -19,6 +19,7 @@ use smalti::experiment::Progress as _;
 #[derive(Debug, Clone, Args)]
 #[command(after_help = "Examples:\n  \
     smalti render out/raw.dng --pipeline rgbw.l3 -o picture.png\n  \
+    smalti render out/raw.dng --pipeline rgbw.l3 -o linear.dng   a raw developer that refuses the mosaic goes on from here\n  \
     smalti render out/raw.dng --pipeline rgbw.l3 -o xyz.npy\n\n\
     A pixel that is darker or brighter than the training data is rendered with the nearest class. A note reports the number of such pixels.")]
 pub(crate) struct Render {
@@ -27,7 +28,8 @@ pub(crate) struct Render {
     /// A learned table (smalti train)
     #[arg(long, value_name = "FILE.l3")]
     pub(crate) pipeline: PathBuf,
-    /// .png or .tif (sRGB for a display) or .npy (the unscaled outputs X, Y, Z, where a white diffuser has at most Y = 1)
+    /// .png or .tif (sRGB for a display), .dng (linear, 16 bits, before white balance and tone curve, for a raw developer) or .npy (the
+    /// unscaled outputs X, Y, Z, where a white diffuser has at most Y = 1)
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: PathBuf,
     /// Compute in fixed point with 16-bit kernels, as an image signal processor does; needs digital numbers in the raw file
@@ -36,7 +38,7 @@ pub(crate) struct Render {
     /// Gain of the picture [default: all but the brightest half percent are within the range of the display]
     #[arg(long, value_name = "FACTOR", value_parser = positive, allow_negative_numbers = true)]
     pub(crate) gain: Option<f64>,
-    /// Bits per channel of the picture
+    /// Bits per channel of a .png or .tif
     #[arg(long, default_value = "8", value_parser = ["8", "16"])]
     pub(crate) bits: String,
     /// Print a summary as JSON
@@ -45,8 +47,8 @@ pub(crate) struct Render {
 }
 
 pub(crate) fn run(args: &Render, common: &Common) -> anyhow::Result<()> {
-    if !has_extension(&args.output, &["npy", "png", "tif", "tiff"]) {
-        bail!("{}: expected a name that ends in .png, .tif or .npy", args.output.display());
+    if !has_extension(&args.output, &["npy", "png", "tif", "tiff", "dng"]) {
+        bail!("{}: expected a name that ends in .png, .tif, .dng or .npy", args.output.display());
     }
     let progress = Progress::new(3, common.quiet);
     progress.begin("reading");
@@ -107,6 +109,10 @@ fn write(args: &Render, pipeline: &Pipeline, rendered: &Rendered) -> anyhow::Res
     };
     let picture = Image::new(ColorSpace::Xyz, rendered.planes.clone())?;
     let gain = args.gain.unwrap_or_else(|| picture.brightness_gain());
+    if has_extension(&args.output, &["dng"]) {
+        let model = args.pipeline.file_stem().unwrap_or_default().to_string_lossy();
+        return Ok(dng::write_picture(&args.output, &picture, white, gain, &model)?);
+    }
     let depth = if args.bits == "16" { Depth::Sixteen } else { Depth::Eight };
     Ok(picture::write(Path::new(&args.output), &picture.shown(Some(white), gain)?, depth)?)
 }

@@ -74,8 +74,8 @@ impl TomlSource {
         if let Some([volts, electrons]) =
             TWIN_KEYS.iter().find(|twins| twins.iter().all(|key| has(&document, key)))
         {
-            let message = format!("{volts} and {electrons} are one quantity; expected one of them");
-            return Err(Box::new(Diagnostic::new(&self.name, message)));
+            let message = format!("it and `{volts}` are one quantity; expected one of them");
+            return Err(Box::new(self.about_key(electrons, &message)));
         }
         if overrides.is_empty() {
             return Ok(description);
@@ -140,11 +140,8 @@ mod tests {
     fn a_quantity_is_given_in_volts_or_in_electrons() {
         let both = source("[sensor.pixel]\nread_noise_mv = 0.1\nread_noise_e = 2.0\n");
         let e = both.describe(&[]).unwrap_err().to_string();
-        assert!(
-            e.contains("camera.toml")
-                && e.contains("sensor.pixel.read_noise_mv and sensor.pixel.read_noise_e"),
-            "{e}"
-        );
+        let message = "camera.toml:3:16: `sensor.pixel.read_noise_e`: it and `sensor.pixel.read_noise_mv` are one quantity";
+        assert!(e.contains(message), "{e}");
         // An override replaces the quantity in either unit.
         let set = |s: &str| s.parse::<Override>().unwrap();
         let in_volts = source("[sensor.pixel]\nread_noise_mv = 0.1\n");

@@ -91,6 +91,19 @@ pub fn load(name: &str, request: &SceneRequest) -> Result<Scene, IoError> {
     request.applied_to(scene_file::read(path, &setting, &request.read)?).at(path)
 }
 
+/// Checks that the catalogue has the scene of a name with parameters.
+///
+/// # Errors
+/// With all built-in scenes when it has not.
+pub(crate) fn ensure_in_catalog(spec: &str) -> Result<(), IoError> {
+    let name = spec.split('?').next().unwrap_or(spec).trim();
+    if catalog::names().iter().any(|scene| scene.name == name) {
+        return Ok(());
+    }
+    let unknown = SceneError::UnknownScene { name: name.to_owned(), suggestion: None, known: String::new() };
+    Err(IoError::Catalog { name: spec.to_owned(), source: among_all(unknown) })
+}
+
 /// An unknown scene with all built-in scenes, those of files too, as known ones.
 fn among_all(error: SceneError) -> SceneError {
     match error {

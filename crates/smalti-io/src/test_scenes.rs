@@ -58,12 +58,13 @@ impl TestSet {
 /// pixel. A name without parameters selects a scene of the set `charts` in its size there.
 ///
 /// # Errors
-/// When a file cannot be read or relit, or a stored scene is damaged.
+/// When there is no such scene, a file cannot be read or relit, or a stored scene is damaged.
 pub fn test_scene(name: &str, illuminant: &Illuminant) -> Result<TestScene, IoError> {
     if let Some(scene) = rendered::find(name) {
         return stored(scene, illuminant);
     }
     if !is_meant(name) {
+        scenes::ensure_in_catalog(name)?;
         return Ok(TestScene::built_in(name));
     }
     Ok(TestScene::relit(name, scenes::load(name, &under(illuminant))?, 1))

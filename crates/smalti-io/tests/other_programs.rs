@@ -7,6 +7,8 @@ use std::path::Path;
 use std::process::Command;
 
 use serde_json::Value;
+use smalti::color::display::Primaries;
+use smalti::color::matrix::apply;
 use smalti::color::{ColorSpace, Image};
 use smalti::numeric::Planes;
 use smalti::sensor::{Mosaic, RawImage, RawSamples, Sampling};
@@ -37,6 +39,7 @@ fn libraw_reads_the_mosaic_unchanged_in_all_four_phases() {
         model: "Bayer".into(),
         color_matrix: Some(ColorMatrix { camera_from_xyz: matrix, light_source: 21 }),
         as_shot_neutral: Some(vec![0.9505, 1.0, 1.0888]),
+        ..DngInfo::default()
     };
     let tile = Mosaic::new(2, 2, vec![0, 1, 1, 2]).unwrap();
     let mut paths = Vec::new();
@@ -88,6 +91,45 @@ fn libraw_reads_the_mosaic_unchanged_in_all_four_phases() {
     }
 }
 
+/// LibRaw develops a linear DNG to the colours of the picture, in the light of its white.
+#[test]
+fn libraw_develops_a_picture_to_its_colours() {
+    let dir = tempfile::tempdir().unwrap();
+    let matrix = Primaries::SRGB.xyz_from_rgb().unwrap();
+    let colors = [
+        [0.9, 0.9, 0.9],
+        [0.5, 0.1, 0.1],
+        [0.1, 0.4, 0.1],
+        [0.1, 0.15, 0.6],
+        [0.5, 0.45, 0.1],
+        [0.02, 0.03, 0.02],
+    ];
+    let (rows, side) = (32, 16);
+    let cols = colors.len() * side;
+    let xyz: Vec<[f64; 3]> = colors.iter().map(|rgb| apply(&matrix, *rgb)).collect();
+    let plane = |c: usize| (0..rows * cols).map(move |i| (c, i % cols / side));
+    let values = (0..3).flat_map(plane).map(|(c, patch)| xyz[patch][c] as f32).collect();
+    let picture = Image::new(ColorSpace::Xyz, Planes::new(rows, cols, 3, values).unwrap()).unwrap();
+    let white = Primaries::SRGB.white_xyz().unwrap();
+    let path = dir.path().join("linear.dng");
+    dng::write_picture(&path, &picture, white, 1.0, "picture").unwrap();
+    let Some(seen) = python("check_linear_dng.py", "rawpy", &[&path]) else { return };
+    assert_eq!(numbers(&seen[0]["shape"]), [rows as f64, cols as f64, 3.0]);
+    let row: Vec<Vec<f64>> = seen[0]["row"].as_array().unwrap().iter().map(numbers).collect();
+    let at = |patch: usize| &row[patch * side + side / 2];
+    let scale = at(0)[1] / colors[0][1];
+    for (patch, color) in colors.iter().enumerate() {
+        for (found, expected) in at(patch).iter().zip(color) {
+            assert!((found / scale - expected).abs() < 0.003, "{patch}: {:?} {color:?}", at(patch));
+        }
+    }
+    let Ok(output) = Command::new("exiftool").args(["-j", "-n", "-validate"]).arg(&path).output() else {
+        return;
+    };
+    let seen: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(seen[0]["Validate"], "0 0 0", "{}", seen[0]);
+}
+
 /// ExifTool, which validates fields against the specification, and the mosaics LibRaw does not know.
 #[test]
 fn exiftool_finds_nothing_wrong_with_any_mosaic() {
@@ -117,6 +159,7 @@ fn exiftool_finds_nothing_wrong_with_any_mosaic() {
                 light_source: 21,
             }),
             as_shot_neutral: Some(vec![0.5; channels]),
+            ..DngInfo::default()
         };
         let path = dir.path().join(format!("{name}.dng"));
         dng::write_compressed(&path, &raw, &info, Compression::LosslessJpeg).unwrap();

@@ -98,7 +98,9 @@ const FRONT: &str = "[front]\npoints = 3\nfilters = true\n[[front.aims]]\nname =
 #[test]
 fn a_search_goes_on_from_its_log_and_its_light() {
     let place = Place::new();
-    let small = SMALL.replace("colors = [3]", "colors = [3, 4]").replace("[[\"bc\", \"ab\"]]", "[[\"bc\", \"ab\"], [\"bc\", \"ad\"]]");
+    let small = SMALL
+        .replace("colors = [3]", "colors = [3, 4]")
+        .replace("[[\"bc\", \"ab\"]]", "[[\"bc\", \"ab\"], [\"bc\", \"ad\"]]");
     place.write("small.toml", small + FRONT);
     let options = "--no-pipeline --training-set catalog";
     let printed = place.ok(&format!("design small.toml -o best {options}"));

@@ -304,6 +304,11 @@ fn best_quality_refines_what_fast_quality_renders() {
         (y.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / 64.0).sqrt() / mean
     };
     assert!(spread(&best) < 0.5 * spread(&fast), "{} and {}", spread(&best), spread(&fast));
+    // Tables and results state the quality.
+    let compared = place.ok(&format!("compare bayer {flat} --luminance 2 --seeds 1 --pipeline best.l3 -o c"));
+    assert!(compared.contains("l3 best"), "{compared}");
+    let results = place.json("c/results.json");
+    assert_eq!(results["results"][0]["quality"], "best", "{results}");
     let run = place.run(&["render", "s/raw.dng", "--pipeline", "best.l3", "-o", "x.png", "--fixed"]);
     assert!(
         run.code == 1 && run.err.contains("no fixed-point form") && run.err.contains("quality fast"),

@@ -204,7 +204,7 @@ fn raws_and_tables_that_do_not_fit() {
         &place,
         &format!("{render} -o a.jpg"),
         1,
-        &["a.jpg: expected a name that ends in .png, .tif or .npy"],
+        &["a.jpg: expected a name that ends in .png, .tif, .dng or .npy"],
     );
     refused(&place, &format!("{render} -o no/a.png"), 1, &["cannot write no/a.png"]);
     for gain in ["0", "-1", "nan", "inf", "x"] {

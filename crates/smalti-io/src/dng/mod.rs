@@ -10,6 +10,7 @@ mod jxl;
 mod levels;
 mod ljpeg;
 mod packed;
+mod picture;
 mod read;
 mod samples;
 mod write;
@@ -20,6 +21,7 @@ use smalti::sensor::RawImage;
 use smalti::spectrum::Spectrum;
 
 pub use crate::scene_file::Crop;
+pub use picture::write_picture;
 pub use read::{from_bytes, read};
 pub use write::{Compression, write, write_compressed};
 
@@ -43,6 +45,8 @@ pub struct DngInfo {
     pub color_matrix: Option<ColorMatrix>,
     /// Camera values of a neutral surface, one per channel.
     pub as_shot_neutral: Option<Vec<f64>>,
+    /// Brightening by the developer, stops (`BaselineExposure`).
+    pub baseline_exposure_stops: Option<f64>,
 }
 
 impl DngInfo {
@@ -61,6 +65,7 @@ impl DngInfo {
             model: camera.description().name.clone(),
             color_matrix: Some(ColorMatrix { camera_from_xyz, light_source: Self::OTHER_LIGHT }),
             as_shot_neutral: Some(isp.color_matrix.camera_white().to_vec()),
+            baseline_exposure_stops: None,
         })
     }
 }

@@ -242,6 +242,10 @@ fn info(first: &Directory, order: &[usize]) -> DngInfo {
         model: first.text(tags::MODEL).unwrap_or_default(),
         color_matrix: matrix.map(|camera_from_xyz| ColorMatrix { camera_from_xyz, light_source }),
         as_shot_neutral: neutral.and_then(|n| (0..channels).map(|c| n.get(plane(c)?).copied()).collect()),
+        baseline_exposure_stops: first
+            .numbers(tags::BASELINE_EXPOSURE)
+            .filter(|v| finite(v))
+            .and_then(|v| v.first().copied()),
     }
 }
 

@@ -1,6 +1,9 @@
 use std::path::Path;
 
 use proptest::prelude::*;
+use smalti::color::matrix::{apply, inverse};
+use smalti::color::{ColorSpace, Image};
+use smalti::numeric::Planes;
 use smalti::sensor::{Mosaic, RawSamples, Sampling};
 
 use super::*;
@@ -46,6 +49,7 @@ fn every_kind_of_mosaic_reads_back_equal() {
             light_source: 21,
         }),
         as_shot_neutral: Some(vec![0.5, 1.0, 0.75]),
+        baseline_exposure_stops: Some(-1.5),
     };
     let bayer = digital(6, 8, Mosaic::new(2, 2, vec![1, 0, 2, 1]).unwrap(), &["R", "G", "B"]);
     assert_eq!(parse(&bytes_of(&bayer, &info)).unwrap().notes, Vec::<String>::new());
@@ -373,4 +377,38 @@ proptest! {
         prop_assert!(parse(&rest).is_err());
         prop_assert!(parse(&[b"II*\0\x08\0\0\0", &rest[..]].concat()).is_err());
     }
+}
+
+#[test]
+fn a_picture_is_linear_colours_with_room_for_noise_and_highlights() {
+    // A dark pixel below zero by its noise, white, a saturated green, and a lamp.
+    let colors = [[-0.01, -0.012, -0.008], [0.95, 1.0, 1.09], [0.1, 0.3, 0.05], [3.0, 2.5, 0.4]];
+    let plane = |c: usize| colors.iter().map(move |v| v[c] as f32);
+    let planes = Planes::new(2, 2, 3, (0..3).flat_map(plane).collect()).unwrap();
+    let picture = Image::new(ColorSpace::Xyz, planes).unwrap();
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("linear.dng");
+    write_picture(&path, &picture, [0.95, 1.0, 1.09], 0.5, "rgbw").unwrap();
+    let dng = read(&path, Limits::default()).unwrap();
+    assert_eq!(*dng.raw.sampling(), Sampling::Full { channels: 3 });
+    let matrix = dng.info.color_matrix.unwrap().camera_from_xyz;
+    let matrix = [matrix[0], matrix[1], matrix[2]];
+    let RawSamples::Digital(samples) = dng.raw.samples() else { panic!("digital numbers") };
+    // What a developer makes of it: levels, then the baseline exposure, here half of the light, then the matrix.
+    let gain = dng.info.baseline_exposure_stops.unwrap().exp2() / 0.5;
+    let range = dng.raw.white_level() - dng.raw.black_level();
+    let xyz_of = |rgb: [f64; 3]| apply(&inverse(&matrix).unwrap(), rgb);
+    for (i, expected) in colors.iter().enumerate() {
+        let rgb = [0, 1, 2].map(|c| gain * (f64::from(samples[4 * c + i]) - dng.raw.black_level()) / range);
+        for (found, expected) in xyz_of(rgb).iter().zip(expected) {
+            assert!((found - expected).abs() < 1e-4, "{i}: {found} {expected}");
+        }
+    }
+    let neutral = dng.info.as_shot_neutral.unwrap();
+    let white = xyz_of([neutral[0], neutral[1], neutral[2]]);
+    assert!((white[0] / white[1] - 0.95).abs() < 1e-6 && (white[2] / white[1] - 1.09).abs() < 1e-6);
+    // A picture for a display is no raw image.
+    let shown = picture.converted(ColorSpace::Srgb).unwrap();
+    let error = write_picture(&path, &shown, [0.95, 1.0, 1.09], 1.0, "a").unwrap_err().to_string();
+    assert!(error.contains("linear.dng") && error.contains("a picture in XYZ"), "{error}");
 }

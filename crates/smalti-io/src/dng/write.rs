@@ -188,6 +188,10 @@ fn fields(path: &Path, raw: &RawImage, info: &DngInfo) -> Result<Fields, IoError
             order
         }
     };
+    let signed = |v: &f64| fraction(*v, i32::MAX.into()).map(|n| n as i32);
+    if let Some(stops) = info.baseline_exposure_stops {
+        fields.insert(tags::BASELINE_EXPOSURE, Value::SignedRational(vec![signed(&stops)]));
+    }
     let per_channel = |field: &str, got: usize| {
         if got == channels {
             return Ok(());
@@ -198,7 +202,6 @@ fn fields(path: &Path, raw: &RawImage, info: &DngInfo) -> Result<Fields, IoError
     if let Some(matrix) = &info.color_matrix {
         per_channel("color_matrix", matrix.camera_from_xyz.len())?;
         let rows = order.iter().filter_map(|&c| matrix.camera_from_xyz.get(c));
-        let signed = |v: &f64| fraction(*v, i32::MAX.into()).map(|n| n as i32);
         let values = rows.flatten().map(signed).collect();
         fields.insert(tags::COLOR_MATRIX_1, Value::SignedRational(values));
         fields.insert(tags::CALIBRATION_ILLUMINANT_1, Value::Short(vec![matrix.light_source]));

@@ -51,8 +51,10 @@ pub struct SpectrumTable {
 /// What [`percent`] needs to know about a column.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct ColumnFacts {
-    /// The heading states percent.
+    /// The heading or the cells state percent.
     is_percent: bool,
+    /// The cells have percent signs.
+    has_signs: bool,
     /// The largest value, and its line.
     largest: (f64, usize),
 }
@@ -191,10 +193,21 @@ pub fn parse(text: &str, path: &Path) -> Result<SpectrumTable, IoError> {
             let expected = format!("{} columns", names.len() + 1);
             return Err(wrong(line, format!("{} columns", row.len()), &expected));
         }
-        let mut numbers = row.iter().map(|v| match layout.number(v) {
+        let mut numbers = row.iter().map(|v| match layout.number(v.trim_end_matches('%').trim_end()) {
             Some(number) if number.is_finite() => Ok(number),
             _ => Err(wrong(line, format!("'{v}'"), layout.expected())),
         });
+        // Cells as `12.3 %` state percent for their column, in every row.
+        for (column, (facts, cell)) in facts.iter_mut().zip(&row[1..]).enumerate() {
+            let has_sign = cell.ends_with('%');
+            if wavelengths_nm.is_empty() {
+                facts.is_percent |= has_sign;
+                facts.has_signs = has_sign;
+            } else if has_sign != facts.has_signs {
+                let found = format!("'{cell}' in column '{}'", names[column]);
+                return Err(wrong(line, found, "a percent sign in every row of a column, or in none"));
+            }
+        }
         let nm = numbers.next().transpose()?.unwrap_or(f64::NAN);
         if nm <= 0.0 {
             return Err(wrong(line, format!("wavelength {nm}"), "a positive wavelength in nm"));
@@ -228,7 +241,7 @@ pub fn parse(text: &str, path: &Path) -> Result<SpectrumTable, IoError> {
 }
 
 fn facts_of(is_percent: bool) -> ColumnFacts {
-    ColumnFacts { is_percent, largest: (f64::NEG_INFINITY, 0) }
+    ColumnFacts { is_percent, has_signs: false, largest: (f64::NEG_INFINITY, 0) }
 }
 
 /// Writes spectra on one grid. Numbers are written so that they read back exactly.

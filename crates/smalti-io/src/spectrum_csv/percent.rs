@@ -83,7 +83,10 @@ impl SpectrumTable {
                     .into(),
             ),
             None => Ok(()),
-            Some(_) if value > LARGEST_PERCENT => wrong("at most 100 %".into()),
+            Some(_) if value > LARGEST_PERCENT => wrong(
+                "at most 100 %; divide values in another unit, such as digital numbers, by their maximum"
+                    .into(),
+            ),
             Some(_) if self.facts[i].is_percent || value > LEAST_PERCENT => Ok(()),
             Some(other) => {
                 let ((largest, at), name) = (self.facts[other].largest, &self.columns[other].0);

@@ -113,7 +113,10 @@ fn relative_values_have_any_scale_and_their_file_is_told() {
         "f.csv: columns separated by tabs, values in percent"
     );
     let above = relative("nm,power (%)\n400,20\n410,120\n").unwrap_err();
-    assert_eq!(above, "f.csv: line 3: found 120 in column 'power'; expected at most 100 %");
+    assert_eq!(
+        above,
+        "f.csv: line 3: found 120 in column 'power'; expected at most 100 %; divide values in another unit, such as digital numbers, by their maximum"
+    );
 }
 
 fn transmittances(text: &str, names: &[&str]) -> Result<Transmittances, String> {
@@ -143,7 +146,7 @@ fn percent_that_cannot_be_names_line_and_column() {
     let error = |text, names: &[&str]| transmittances(text, names).unwrap_err();
     assert_eq!(
         error("nm,R,W\n400,5,90\n410,25,101\n", &["R", "W"]),
-        "f.csv: line 3: found 101 in column 'W'; expected at most 100 %"
+        "f.csv: line 3: found 101 in column 'W'; expected at most 100 %; divide values in another unit, such as digital numbers, by their maximum"
     );
     // A column of fractions beside one of percent.
     let mixed = error("nm,R,W\n400,0.5,90\n410,0.25,95\n", &["R", "W"]);

@@ -44,6 +44,7 @@ pub(crate) const DEFAULT_CROP_ORIGIN: u16 = 50719;
 pub(crate) const DEFAULT_CROP_SIZE: u16 = 50720;
 pub(crate) const COLOR_MATRIX_1: u16 = 50721;
 pub(crate) const AS_SHOT_NEUTRAL: u16 = 50728;
+pub(crate) const BASELINE_EXPOSURE: u16 = 50730;
 pub(crate) const CALIBRATION_ILLUMINANT_1: u16 = 50778;
 pub(crate) const ACTIVE_AREA: u16 = 50829;
 pub(crate) const IMAGEJ_LENGTHS: u16 = 50838;

@@ -25,7 +25,7 @@ const OVERVIEW_WIDTH: usize = 220;
 struct Window {
     light: usize,
     rect: Rect,
-    /// The mean over the window of what the cameras differ in.
+    /// What the means over the window differ by.
     difference: f64,
 }
 
@@ -69,8 +69,8 @@ pub(super) fn crops(
     }
     let several = report.contenders.len() > 1;
     let about = if several {
-        "Each crop is the region of a scene, and the luminance, in which the S-CIELAB errors of the best and the worst camera differ most. Found \
-         automatically; the pixels are enlarged."
+        "Each crop is the region of a scene, and the luminance, in which the mean S-CIELAB differences of the cameras from the reference are farthest apart, whichever \
+         camera has the smaller one. Found automatically; the pixels are enlarged."
     } else {
         "For each scene, the window and the luminance of the largest mean S-CIELAB difference from the reference. Found automatically; \
          the pixels are enlarged."
@@ -114,8 +114,7 @@ impl<'a> Row<'a> {
         let window = |light: usize| {
             let scored = scored(light);
             let maps = scored.iter().map(|s| map_of_size(&s.scores.scielab_map, size));
-            let differences = disagreement(&maps.collect::<Option<Vec<_>>>()?)?;
-            let (rect, difference) = window_of_largest_mean(&differences, size, SIDE)?;
+            let (rect, difference) = window_of_largest_range(&maps.collect::<Option<Vec<_>>>()?, size, SIDE)?;
             Some(Window { light, rect, difference })
         };
         // Of equal windows the first.
@@ -192,20 +191,6 @@ impl<'a> Row<'a> {
     }
 }
 
-/// The range of the S-CIELAB differences of the contenders from the reference at every pixel; with one contender, its differences.
-/// `None` without a contender. The maps have the same size.
-fn disagreement(maps: &[Cow<'_, Planes>]) -> Option<Vec<f32>> {
-    let (first, others) = maps.split_first()?;
-    let mut high = first.data().to_vec();
-    let mut low = if others.is_empty() { vec![0.0; high.len()] } else { high.clone() };
-    for map in others {
-        for ((v, high), low) in map.data().iter().zip(&mut high).zip(&mut low) {
-            (*high, *low) = (high.max(*v), low.min(*v));
-        }
-    }
-    Some(high.iter().zip(&low).map(|(h, l)| h - l).collect())
-}
-
 /// The pixels of a picture of `before` rows and columns that are nearest to those of a picture of `after` rows and columns of the same
 /// scene, row by row.
 fn nearest(before: (usize, usize), after: (usize, usize)) -> impl Iterator<Item = usize> {
@@ -236,31 +221,48 @@ fn picture_of_size(picture: &Pixels, size: (usize, usize)) -> Cow<'_, Pixels> {
     Cow::Owned(Pixels { width: size.1, height: size.0, rgb })
 }
 
-/// The square window of `side` pixels with the largest mean, and that mean; of equal ones the first by rows. Windows are as large as
-/// a smaller picture. Values that are not finite count as 0. `None` for an empty picture.
-fn window_of_largest_mean(values: &[f32], (rows, cols): (usize, usize), side: usize) -> Option<(Rect, f64)> {
+/// The square window of `side` pixels in which the mean S-CIELAB differences of the contenders from the reference have the largest range, and
+/// that range; with one contender, its largest mean. Means over the window count and not differences at pixels, which
+/// are mostly those of the noise. Of equal windows the first by rows; windows are as large as a smaller picture. Values that are not finite count as 0.
+/// `None` without a map or for empty ones. The maps have the same size.
+fn window_of_largest_range(
+    maps: &[Cow<'_, Planes>],
+    (rows, cols): (usize, usize),
+    side: usize,
+) -> Option<(Rect, f64)> {
     let (high, wide) = (side.min(rows), side.min(cols));
-    if high == 0 || wide == 0 || values.len() != rows * cols {
+    if maps.is_empty() || high == 0 || wide == 0 {
         return None;
     }
-    // Sums over all pixels above and left of a corner.
-    let mut sums = vec![0.0f64; (rows + 1) * (cols + 1)];
-    for row in 0..rows {
-        let mut along = 0.0;
-        for col in 0..cols {
-            let value = f64::from(values[row * cols + col]);
-            along += if value.is_finite() { value } else { 0.0 };
-            sums[(row + 1) * (cols + 1) + col + 1] = sums[row * (cols + 1) + col + 1] + along;
+    // For each map, sums over all pixels above and left of a corner.
+    let summed = |map: &Cow<'_, Planes>| {
+        let mut sums = vec![0.0f64; (rows + 1) * (cols + 1)];
+        for (row, line) in map.data().chunks_exact(cols).take(rows).enumerate() {
+            let mut along = 0.0;
+            for (col, value) in line.iter().enumerate() {
+                along += if value.is_finite() { f64::from(*value) } else { 0.0 };
+                sums[(row + 1) * (cols + 1) + col + 1] = sums[row * (cols + 1) + col + 1] + along;
+            }
         }
-    }
-    let at = |row: usize, col: usize| sums[row * (cols + 1) + col];
+        sums
+    };
+    let sums: Vec<Vec<f64>> = maps.iter().map(summed).collect();
+    let least = if maps.len() == 1 { 0.0 } else { f64::INFINITY };
     let mut best = (Rect { row: 0, col: 0, rows: high, cols: wide }, f64::NEG_INFINITY);
     for row in 0..=rows - high {
         for col in 0..=cols - wide {
-            let sum = at(row + high, col + wide) - at(row, col + wide) - at(row + high, col) + at(row, col);
+            let at = |sums: &[f64], row: usize, col: usize| sums[row * (cols + 1) + col];
+            let sum_of = |sums: &Vec<f64>| {
+                at(sums, row + high, col + wide) - at(sums, row, col + wide) - at(sums, row + high, col)
+                    + at(sums, row, col)
+            };
+            let (low, high) = sums
+                .iter()
+                .map(sum_of)
+                .fold((least, f64::NEG_INFINITY), |(low, high), sum| (low.min(sum), high.max(sum)));
             // Differences by rounding alone do not move the window.
-            if sum > best.1 + 1e-9 * sum.abs() {
-                best = (Rect { row, col, rows: high, cols: wide }, sum);
+            if high - low > best.1 + 1e-9 * high.abs() {
+                best = (Rect { row, col, ..best.0 }, high - low);
             }
         }
     }
@@ -319,6 +321,12 @@ fn overview(picture: &Pixels, window: Rect) -> Pixels {
 mod tests {
     use super::*;
 
+    fn map(rows: usize, cols: usize, value: impl Fn(usize, usize) -> f32) -> Cow<'static, Planes> {
+        let value = &value;
+        let values = (0..rows).flat_map(|r| (0..cols).map(move |c| value(r, c))).collect();
+        Cow::Owned(Planes::new(rows, cols, 1, values).unwrap())
+    }
+
     /// A patch of large differences on a slope of small ones, and a single very bright pixel elsewhere.
     #[test]
     fn the_window_holds_the_largest_differences() {
@@ -326,16 +334,22 @@ mod tests {
         let value = |row: usize, col: usize| match (row, col) {
             (3, 3) => 500.0,
             (40..72, 110..142) => 2.0,
+            // What is not finite counts as nothing.
+            (10, 10) => f32::INFINITY,
+            (20, 20) => f32::NAN,
             _ => 0.001 * col as f32 / cols as f32,
         };
-        let mut values: Vec<f32> = (0..rows).flat_map(|r| (0..cols).map(move |c| value(r, c))).collect();
-        let (rect, mean) = window_of_largest_mean(&values, (rows, cols), 32).unwrap();
-        assert_eq!(rect, Rect { row: 40, col: 110, rows: 32, cols: 32 });
-        assert!((mean - 2.0).abs() < 1e-6, "{mean}");
-        // What is not finite counts as nothing.
-        values[10 * cols + 10] = f32::INFINITY;
-        values[20 * cols + 20] = f32::NAN;
-        assert_eq!(window_of_largest_mean(&values, (rows, cols), 32).unwrap().0, rect);
+        let expected = Rect { row: 40, col: 110, rows: 32, cols: 32 };
+        let (rect, mean) = window_of_largest_range(&[map(rows, cols, value)], (rows, cols), 32).unwrap();
+        assert!(rect == expected && (mean - 2.0).abs() < 1e-6, "{rect:?} {mean}");
+        // Errors of two cameras that differ at every pixel but have one mean do not count; a better mean does.
+        let noisy = |row: usize, col: usize| 5.0 + if (row + col) % 2 == 0 { 4.0 } else { -4.0 };
+        let first = map(rows, cols, |r, c| {
+            noisy(r, c) + if (40..72).contains(&r) && (110..142).contains(&c) { 1.0 } else { 0.0 }
+        });
+        let second = map(rows, cols, |r, c| noisy(r + 1, c));
+        let (rect, range) = window_of_largest_range(&[first, second], (rows, cols), 32).unwrap();
+        assert!(rect == expected && (range - 1.0).abs() < 1e-6, "{rect:?} {range}");
     }
 
     /// Of a camera with half as many pixels in each direction, and of one with two thirds.
@@ -349,18 +363,22 @@ mod tests {
         let large = picture_of_size(&picture, (1, 4));
         assert_eq!((large.height, large.width), (1, 4));
         assert_eq!(large.rgb, [1, 2, 3, 1, 2, 3, 4, 5, 6, 4, 5, 6]);
-        // What the cameras differ in is compared at the same place of the scene.
+        // The cameras are compared at the same place of the scene.
         let fine = Planes::new(2, 4, 1, vec![3.0, 3.0, 5.0, 9.0, 3.0, 3.0, 5.0, 5.0]).unwrap();
         let maps = [map_of_size(&fine, (2, 4)).unwrap(), map_of_size(&map, (2, 4)).unwrap()];
-        assert_eq!(disagreement(&maps).unwrap(), [0.0, 0.0, 0.0, 4.0, 0.0, 0.0, 0.0, 0.0]);
+        let expected = Some((Rect { row: 0, col: 3, rows: 1, cols: 1 }, 4.0));
+        assert_eq!(window_of_largest_range(&maps, (2, 4), 1), expected);
     }
 
     #[test]
     fn windows_of_equal_means_are_the_first_and_those_of_small_pictures_the_whole() {
-        let (rect, mean) = window_of_largest_mean(&[0.3; 7 * 9], (7, 9), 4).unwrap();
+        let (rect, mean) = window_of_largest_range(&[map(7, 9, |_, _| 0.3)], (7, 9), 4).unwrap();
         assert_eq!((rect, (mean - 0.3).abs() < 1e-6), (Rect { row: 0, col: 0, rows: 4, cols: 4 }, true));
-        assert_eq!(window_of_largest_mean(&[1.0; 6], (2, 3), 96).unwrap().0, Rect::whole(2, 3));
-        assert_eq!(window_of_largest_mean(&[], (0, 0), 96), None);
+        assert_eq!(
+            window_of_largest_range(&[map(2, 3, |_, _| 1.0)], (2, 3), 96).unwrap().0,
+            Rect::whole(2, 3)
+        );
+        assert_eq!(window_of_largest_range(&[], (2, 3), 4), None);
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use serde_json::{Map, Value, json};
 use smalti::camera::PICTURE_METRICS;
 use smalti::experiment::Contender;
-use smalti::l3::Pipeline;
+use smalti::l3::{Pipeline, Quality};
 
 use super::kernels::{dark_and_bright, weights};
 use super::results::Comparison;
@@ -38,6 +38,7 @@ impl Comparison<'_> {
                 entries.push(json!({
                     "camera": contender.label,
                     "pipeline": contender.processing.name(),
+                    "quality": contender.quality().map(Quality::name),
                     "luminance_cd_m2": o.luminance_cd_m2,
                     "cpsnr_db": cpsnr_db,
                     "pixel_delta_e_2000_mean": delta_e,

@@ -29,7 +29,7 @@ pub(super) fn clipped<'a>(results: impl Iterator<Item = (&'a str, &'a Evaluation
         .collect();
     (!all.is_empty()).then(|| {
         format!(
-            "Samples of the chart are clipped, and ΔE contains the errors of clipped patches: {}. A shorter exposure avoids it (--exposure equal, where it applies already with a smaller --max-saturated).",
+            "Samples of the chart are clipped, and ΔE contains the errors of clipped patches: {}. A shorter exposure avoids it: --exposure equal, or --exposure equal with a smaller --max-saturated.",
             all.join(", ")
         )
     })

@@ -63,8 +63,7 @@ pub struct Comparison<'a> {
 
 /// The cells that name a contender and a luminance.
 pub(super) fn of_contender(contender: &Contender<'_>, luminance_cd_m2: f64) -> [String; 3] {
-    let processing = contender.processing.name().to_owned();
-    [contender.label.to_owned(), processing, luminance_cd_m2.to_string()]
+    [contender.label.to_owned(), contender.method(), luminance_cd_m2.to_string()]
 }
 
 impl<'a> Comparison<'a> {

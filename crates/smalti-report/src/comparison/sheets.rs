@@ -78,7 +78,7 @@ impl Comparison<'_> {
             let caption = format!(
                 "{} {}\n{:.1} dB, S-CIELAB {:.1}",
                 contender.label,
-                contender.processing.name(),
+                contender.method(),
                 scores.cpsnr_db,
                 scores.scielab_mean
             );

@@ -12,7 +12,7 @@ use super::chart::{self, LUMINANCE};
 use super::colorimetry::{ColorimetricObserver, SensorColorimetry};
 use super::grey_noise::GreyNoise;
 use super::target::{EDGE_REGION, EdgeMtf50, Target, edge_mtf50};
-use super::{Camera, CameraError, GreyScores, PatchScores};
+use super::{Camera, CameraError, ExposureFault, GreyScores, PatchScores};
 use crate::color::adaptation::bradford;
 use crate::color::display::{D65_XYZ, Matrices};
 use crate::color::matrix::product;
@@ -236,12 +236,7 @@ pub fn evaluate_with(
     let noise = chart.noise(&noisy, settings, &light).map_err(|e| chart.explained(e, "the ColorChecker"))?;
     let mtf50 = edge_mtf50(edge.clean.planes(), LUMINANCE, EDGE_REGION)
         .map_err(|e| edge.explained(e, "the slanted edge"))?;
-    let low_contrast = match edge_mtf50(low_contrast.clean.planes(), LUMINANCE, EDGE_REGION) {
-        Err(CameraError::Metric(MetricError::NoEdge(_) | MetricError::LowContrast { .. })) => {
-            EdgeMtf50 { cy_per_px: f64::NAN, reliability: Mtf50Reliability::NoEdge }
-        }
-        found => found?,
-    };
+    let low_contrast = low_contrast.mtf50_or_none()?;
     let aliasing = zone_plate_aliasing(&zone.clean, &reference, &setting)?;
     let evaluation = Evaluation {
         luminance_cd_m2: settings.luminance_cd_m2,
@@ -302,6 +297,22 @@ impl TargetCapture<'_, '_> {
             captures.push(self.isp.render(&raw)?);
         }
         Ok(GreyNoise::mean(&GreyNoise::of_captures(&captures, light)?))
+    }
+
+    /// The MTF50 of the edge of low contrast. What saturation hides is an error; other pictures without an edge have none.
+    fn mtf50_or_none(&self) -> Result<EdgeMtf50, CameraError> {
+        let found = edge_mtf50(self.clean.planes(), LUMINANCE, EDGE_REGION);
+        let has_no_edge = matches!(
+            &found,
+            Err(CameraError::Metric(MetricError::NoEdge(_) | MetricError::LowContrast { .. }))
+        );
+        match found.map_err(|e| self.explained(e, "the slanted edge of low contrast")) {
+            Err(error @ CameraError::Exposure { fault: ExposureFault::Saturated { .. }, .. }) => Err(error),
+            Err(_) if has_no_edge => {
+                Ok(EdgeMtf50 { cy_per_px: f64::NAN, reliability: Mtf50Reliability::NoEdge })
+            }
+            found => found,
+        }
     }
 
     /// The error of a metric, or the fault of the exposure where it explains the error.

@@ -32,6 +32,13 @@ impl Primaries {
     /// Display P3: the primaries of SMPTE EG 432-1 with D65 white.
     pub const DISPLAY_P3: Self =
         Self { red: [0.680, 0.320], green: [0.265, 0.690], blue: [0.150, 0.060], white: D65_XY };
+    /// ROMM RGB (ISO 22028-2), with the white D50.
+    pub const ROMM: Self = Self {
+        red: [0.7347, 0.2653],
+        green: [0.1596, 0.8404],
+        blue: [0.0366, 0.0001],
+        white: [0.3457, 0.3585],
+    };
 
     /// X, Y, Z of the white at Y = 1; `None` when its y is zero.
     #[must_use]

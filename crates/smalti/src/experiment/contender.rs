@@ -17,7 +17,7 @@ use crate::camera::{
 };
 use crate::color::Image;
 use crate::isp::{Classic, Isp, WhiteBalance};
-use crate::l3::{L3Error, Pipeline, Training, peak_ratio_db};
+use crate::l3::{L3Error, Pipeline, Quality, Training, peak_ratio_db};
 use crate::sensor::RawImage;
 use crate::spectrum::{Illuminant, Spectrum};
 
@@ -55,7 +55,23 @@ impl<'a> Contender<'a> {
     /// The camera's label and the name of the processing.
     #[must_use]
     pub fn name(&self) -> String {
-        format!("{} {}", self.label, self.processing.name())
+        format!("{} {}", self.label, self.method())
+    }
+
+    /// The name of the processing, with the quality of learned pipelines that is not the usual one: `l3 best`.
+    #[must_use]
+    pub fn method(&self) -> String {
+        let name = self.processing.name();
+        match self.quality() {
+            Some(quality) if quality != Quality::default() => format!("{name} {}", quality.name()),
+            _ => name.to_owned(),
+        }
+    }
+
+    /// The quality of learned pipelines.
+    #[must_use]
+    pub fn quality(&self) -> Option<Quality> {
+        self.pipelines.map(|pipelines| pipelines.main().quality())
     }
 
     /// Whether the processing is defined for the camera's mosaic.

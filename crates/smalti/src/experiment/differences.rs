@@ -153,6 +153,10 @@ fn stated<'a>(key: &str, values: &[&'a Value]) -> Vec<String> {
         Value::Null => ABSENT.iter().find(|(of, _)| *of == key).map_or("none", |(_, words)| words).to_owned(),
         Value::Number(number) => number.as_f64().map_or_else(|| number.to_string(), rounded),
         Value::String(text) => text.clone(),
+        Value::Array(grid) if key == "wavelengths_nm" && grid.len() == 3 => {
+            let nm: Vec<String> = grid.iter().filter_map(Value::as_f64).map(rounded).collect();
+            format!("{} to {} in steps of {}", nm[0], nm[2], nm[1])
+        }
         Value::Object(curve) if curve.len() == 1 && curve.contains_key("builtin") => {
             curve["builtin"].as_str().unwrap_or_default().to_owned()
         }
@@ -205,7 +209,7 @@ mod tests {
         let of = |key: &str| found.iter().find(|d| d.key == key).map(|d| d.values.clone()).unwrap();
         assert_eq!(found.len(), 5);
         let usual = "400 to 700 in steps of 10";
-        assert_eq!(of("wavelengths_nm"), [usual, "[400.0,50.0,700.0]", usual]);
+        assert_eq!(of("wavelengths_nm"), [usual, "400 to 700 in steps of 50", usual]);
         assert_eq!(of("exposure.time_ms"), ["20", "automatic", "20"]);
         assert_eq!(of("sensor.pixel.pitch_um")[1], "1");
         assert_eq!(of("optics.ir_cut"), ["flat 0.5", "none stated", "flat 0.5"]);

@@ -1,0 +1,77 @@
+//! Rendered pictures as linear DNG, which raw developers go on from.
+//!
+//! A developer that does not know a mosaic refuses its raw file. A rendered picture has every colour at every pixel: DNG holds it as
+//! LinearRaw, before white balance, tone curve and gamut mapping, which stay with the developer.
+
+use std::path::Path;
+
+use smalti::color::display::Primaries;
+use smalti::color::matrix::apply;
+use smalti::color::{ColorSpace, Image};
+use smalti::sensor::{RawImage, RawSamples, Sampling};
+
+use super::write::{Compression, write_compressed};
+use super::{ColorMatrix, DngInfo};
+use crate::IoError;
+
+/// The level of zero light. What lies below it is noise, which must keep its mean of zero.
+const BLACK: f64 = 2048.0;
+/// The level of the brightest sample.
+const WHITE: f64 = 65535.0;
+
+/// Writes a picture in XYZ, in which a white diffuser has at most Y = 1, as linear DNG of 16 bits. Its channels are the primaries of
+/// ROMM RGB (ISO 22028-2), which contain the colours of all surfaces; `ColorMatrix1` is their matrix. `white` is X, Y, Z of the illuminant, which
+/// becomes `AsShotNeutral`. A developer multiplies the picture by `gain` (`BaselineExposure`). Samples below 3 % of the
+/// range under zero light are clipped.
+///
+/// # Errors
+/// When the picture is not in XYZ, has a value that is not finite, or the file cannot be written.
+pub fn write_picture(
+    path: &Path,
+    picture: &Image,
+    white: [f64; 3],
+    gain: f64,
+    model: &str,
+) -> Result<(), IoError> {
+    let wrong = |found: String, expected: &str| IoError::field(path, "the picture", found, expected);
+    if picture.space() != ColorSpace::Xyz {
+        return Err(wrong(format!("in {}", picture.space().name()), "a picture in XYZ"));
+    }
+    picture.check_finite().map_err(|e| wrong(e.to_string(), "finite values"))?;
+    let unfit = || wrong(format!("white {white:?}"), "X, Y, Z of a light");
+    let matrix = Primaries::ROMM.rgb_from_xyz().ok_or_else(unfit)?;
+    let [x, y, z] = picture.channels();
+    let rgb = |i: usize| apply(&matrix, [x[i], y[i], z[i]].map(f64::from));
+    let neutral = apply(&matrix, white);
+    let brightest = neutral.into_iter().fold(0.0, f64::max);
+    if !(neutral.iter().all(|v| *v > 0.0) && brightest.is_finite() && gain > 0.0) {
+        return Err(unfit());
+    }
+    // What is brighter than a white diffuser, such as a lamp, is kept.
+    let full = (0..y.len()).flat_map(rgb).fold(brightest, f64::max);
+    let scale = (WHITE - BLACK) / full;
+    let plane =
+        |c: usize| (0..y.len()).map(move |i| (BLACK + scale * rgb(i)[c]).round().clamp(0.0, WHITE) as u16);
+    let samples: Vec<u16> = (0..3).flat_map(plane).collect();
+    let raw = RawImage::new(
+        picture.rows(),
+        picture.cols(),
+        RawSamples::Digital(samples),
+        Sampling::Full { channels: 3 },
+        ["R", "G", "B"].map(str::to_owned).to_vec(),
+        BLACK,
+        WHITE,
+    )
+    .map_err(|e| wrong(e.to_string(), "a picture with pixels"))?;
+    let info = DngInfo {
+        make: "Smalti".into(),
+        model: model.to_owned(),
+        color_matrix: Some(ColorMatrix {
+            camera_from_xyz: matrix.to_vec(),
+            light_source: DngInfo::OTHER_LIGHT,
+        }),
+        as_shot_neutral: Some(neutral.map(|v| v / brightest).to_vec()),
+        baseline_exposure_stops: Some((gain * full).log2()),
+    };
+    write_compressed(path, &raw, &info, Compression::LosslessJpeg)
+}
