@@ -448,6 +448,13 @@ fn what_cannot_be_compared_is_refused_before_work() {
         ("compare bayer --smoothing 1.5", 2, &["'1.5'", "--smoothing", "0 to 1"]),
         ("compare bayer --processing fancy", 2, &["'fancy'", "malvar2004"]),
         ("compare bayr", 1, &["bayr: no such camera", "did you mean 'bayer'?"]),
+        ("compare @rgbw", 1, &["@rgbw: no such camera"]),
+        ("compare bayer --scene portrait", 1, &["did you mean 'natural-portrait'?", "photo-fig"]),
+        (
+            "compare bayer --scene photo-fig --exposure 33s",
+            1,
+            &["saturate in 33 s", "expected an exposure time of at most"],
+        ),
         ("compare bayer --illuminant D66", 1, &["did you mean 'D65'?"]),
         (
             "compare bayer --scene dead-leafs --luminance 80",

@@ -142,6 +142,19 @@ fn percent_is_recognised_by_values_and_headings() {
 }
 
 #[test]
+fn percent_signs_in_cells_stand_in_every_row_or_in_none() {
+    let read = transmittances("nm,R,W\n400,0.2%,90 %\n410,\"0.8 %\",95%\n", &["R", "W"]).unwrap();
+    assert_eq!(read.note.as_deref(), Some("f.csv: values in percent, divided by 100"));
+    assert!((read.columns[0].1.values()[1] - 0.008).abs() < 1e-15);
+    assert!((read.columns[1].1.values()[0] - 0.9).abs() < 1e-15);
+    let error = |text: &str| parse(text, Path::new("f.csv")).unwrap_err().to_string();
+    for (text, found) in [("nm,R\n400,5%\n410,6\n", "'6'"), ("nm,R\n400,5\n410,6%\n", "'6%'")] {
+        let expected = "a percent sign in every row of a column, or in none";
+        assert_eq!(error(text), format!("f.csv: line 3: found {found} in column 'R'; expected {expected}"));
+    }
+}
+
+#[test]
 fn percent_that_cannot_be_names_line_and_column() {
     let error = |text, names: &[&str]| transmittances(text, names).unwrap_err();
     assert_eq!(

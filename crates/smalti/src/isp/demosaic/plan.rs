@@ -270,9 +270,14 @@ impl Layout {
 
 /// The rows of each band of all planes.
 pub(crate) fn bands<T>(data: &mut [T], rows: usize, cols: usize) -> Vec<Vec<&mut [T]>> {
-    let mut bands: Vec<Vec<&mut [T]>> = (0..rows.div_ceil(BAND_ROWS)).map(|_| Vec::new()).collect();
+    bands_of(BAND_ROWS, data, rows, cols)
+}
+
+/// The same for bands of a number of rows.
+pub(crate) fn bands_of<T>(band_rows: usize, data: &mut [T], rows: usize, cols: usize) -> Vec<Vec<&mut [T]>> {
+    let mut bands: Vec<Vec<&mut [T]>> = (0..rows.div_ceil(band_rows)).map(|_| Vec::new()).collect();
     for plane in data.chunks_mut((rows * cols).max(1)) {
-        for (band, rows) in bands.iter_mut().zip(plane.chunks_mut(BAND_ROWS * cols)) {
+        for (band, rows) in bands.iter_mut().zip(plane.chunks_mut(band_rows * cols)) {
             band.push(rows);
         }
     }

@@ -1,13 +1,15 @@
 //! The learned second stage, and how it refines a picture.
 
+use std::ops::Range;
+
 use rayon::prelude::*;
 
 use super::super::L3Error;
 use super::axes::RefinementAxes;
 use super::classes::{Scratch, classify};
 use super::inputs::{COUNT, Lines};
-use super::stages::Stages;
-use crate::isp::demosaic::{BAND_ROWS, bands};
+use super::stages::{ROWS_BEYOND, RollingStages, Stages, copy_row};
+use crate::isp::demosaic::bands_of;
 use crate::numeric::Planes;
 use crate::numeric::simd::{Kernel, dispatch};
 
@@ -17,6 +19,8 @@ pub(super) const OUTPUTS: usize = 3;
 const LANES: usize = 16;
 /// Weights of a row of a kernel, padded with zeros to whole vectors.
 const PADDED: usize = COUNT.next_multiple_of(LANES);
+/// Least pixels of a strip, which computes the stages of a few rows beyond itself as well.
+const STRIP_PIXELS: usize = 1 << 19;
 /// Number of inputs of the second stage: Y of the 5 × 5 pixels around the pixel, X and Z of 3 × 3, in row order, then X, Y, Z of the five
 /// smooth pictures, the finest first.
 pub const REFINEMENT_INPUTS: usize = COUNT;
@@ -105,19 +109,79 @@ impl Refinement {
         if rows == 0 || cols == 0 {
             return Ok(());
         }
-        let stages = Stages::of(picture, self.axes.noise());
-        bands(picture.data_mut(), rows, cols).into_par_iter().enumerate().for_each_init(
-            <(Scratch, Vec<u32>)>::default,
-            |(scratch, classes), (i, mut band)| {
-                let rows = i * BAND_ROWS..(i * BAND_ROWS + BAND_ROWS).min(rows);
-                classify(&self.axes, &stages.0[1], rows.clone(), cols, scratch, classes);
-                for (at, row) in rows.enumerate() {
-                    let (classes, first) = (&classes[at * cols..(at + 1) * cols], at * cols);
-                    dispatch(Products { of: self, stages: &stages, row, classes, first, band: &mut band });
-                }
-            },
-        );
+        let strips = (rows * cols / STRIP_PIXELS).clamp(1, 2 * rayon::current_num_threads());
+        let strip_rows = rows.div_ceil(strips);
+        // Strips are refined in place, so that what they read of their neighbours is copied before.
+        let beyond: Vec<[Beyond; 2]> = (0..rows)
+            .step_by(strip_rows)
+            .map(|first| {
+                let end = (first + strip_rows).min(rows);
+                [first.saturating_sub(ROWS_BEYOND)..first, end..(end + ROWS_BEYOND).min(rows)]
+                    .map(|rows| Beyond::of(picture, rows))
+            })
+            .collect();
+        let strips = bands_of(strip_rows, picture.data_mut(), rows, cols).into_par_iter().zip(beyond);
+        strips.enumerate().for_each(|(i, (band, beyond))| {
+            let first = i * strip_rows;
+            self.refine(Strip { rows: first..(first + strip_rows).min(rows), band, beyond }, rows, cols);
+        });
         Ok(())
+    }
+
+    /// Refines a strip of a picture of `rows` × `cols`.
+    fn refine(&self, mut strip: Strip<'_>, rows: usize, cols: usize) {
+        let first = strip.rows.start;
+        let mut rolling = RollingStages::new(first, rows, cols, self.axes.noise());
+        let (mut scratch, mut classes) = (Scratch::default(), Vec::new());
+        for start in strip.rows.clone().step_by(RollingStages::ROWS) {
+            let group = start..(start + RollingStages::ROWS).min(strip.rows.end);
+            rolling.advance(group.end, |row, planes| copy_row(strip.line(row, cols), planes));
+            let stages = &rolling.stages;
+            classify(&self.axes, &stages.0[1], group.clone(), cols, &mut scratch, &mut classes);
+            for (row, classes) in group.zip(classes.chunks_exact(cols)) {
+                let first = (row - first) * cols;
+                dispatch(Products { of: self, stages, row, classes, first, band: &mut strip.band });
+            }
+        }
+    }
+}
+
+/// Rows of a picture beyond a strip.
+struct Beyond {
+    first: usize,
+    /// Row by row, X, Y and Z.
+    data: Vec<f32>,
+}
+
+impl Beyond {
+    fn of(picture: &Planes, rows: Range<usize>) -> Self {
+        let cols = picture.cols();
+        let line = |row: usize| picture.planes().flat_map(move |p| &p[row * cols..(row + 1) * cols]);
+        Self { first: rows.start, data: rows.flat_map(line).copied().collect() }
+    }
+}
+
+/// Some rows of a picture, which are refined in place, and those above and below as they were.
+struct Strip<'a> {
+    rows: Range<usize>,
+    /// X, Y and Z of its rows.
+    band: Vec<&'a mut [f32]>,
+    beyond: [Beyond; 2],
+}
+
+impl Strip<'_> {
+    /// X, Y and Z of a row that is not refined yet, or lies beyond the strip.
+    fn line(&self, row: usize, cols: usize) -> [&[f32]; OUTPUTS] {
+        let [above, below] = &self.beyond;
+        let beyond = if row < self.rows.start { above } else { below };
+        std::array::from_fn(|plane| {
+            let found = if self.rows.contains(&row) {
+                self.band.get(plane).and_then(|p| p.get((row - self.rows.start) * cols..))
+            } else {
+                beyond.data.get(((row - beyond.first) * OUTPUTS + plane) * cols..)
+            };
+            found.and_then(|line| line.get(..cols)).unwrap_or(&[])
+        })
     }
 }
 

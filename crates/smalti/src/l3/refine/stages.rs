@@ -28,86 +28,178 @@ pub(super) const MARGIN: usize = STEPS[SCALES - 1];
 /// Columns that one step of the smoothing processes, two vectors.
 const WIDTH: usize = 2 * LANES;
 
-/// X, Y and Z of a picture, row by row, with a margin that mirrors it about its outermost pixels.
+/// X, Y and Z of the rows of a picture, which is mirrored about its outermost pixels. It keeps all rows or the latest ones.
 pub(super) struct Padded {
     rows: usize,
     cols: usize,
     /// Values of a row of one plane.
     stride: usize,
+    /// Rows that are kept: row r takes the place of row r − kept.
+    kept: usize,
     data: Vec<f32>,
 }
 
 impl Padded {
-    fn empty(rows: usize, cols: usize) -> Self {
+    fn keeping(kept: usize, rows: usize, cols: usize) -> Self {
         // Vectors that begin within a row may end in its padding.
         let stride = (cols + 2 * MARGIN).next_multiple_of(WIDTH) + WIDTH;
-        Self { rows, cols, stride, data: vec![0.0; (rows + 2 * MARGIN) * 3 * stride] }
+        let kept = kept.min(rows).max(1);
+        Self { rows, cols, stride, kept, data: vec![0.0; kept * 3 * stride] }
     }
 
-    /// A copy of the first three planes.
-    fn of(planes: &Planes) -> Self {
-        let mut padded = Self::empty(planes.rows(), planes.cols());
-        padded.fill(|row, out| {
-            let cols = planes.cols();
-            for (plane, out) in planes.planes().zip(out) {
-                out[MARGIN..MARGIN + cols].copy_from_slice(&plane[row * cols..(row + 1) * cols]);
-            }
-        });
-        padded
+    /// All rows, each written by `row(row, planes)`, which leaves the margins to this function.
+    fn whole(rows: usize, cols: usize, row: impl Fn(usize, [&mut [f32]; 3]) + Sync) -> Self {
+        let mut all = Self::keeping(rows, rows, cols);
+        let stride = all.stride;
+        let lines = all.data.par_chunks_exact_mut(3 * stride).take(rows).enumerate();
+        lines.for_each(|(r, line)| with_margins(line, cols, |planes| row(r, planes)));
+        all
     }
 
-    /// Writes every row of the picture with `row(row, planes)`, which leaves the margins to this function.
-    fn fill(&mut self, row: impl Fn(usize, [&mut [f32]; 3]) + Sync) {
-        let (rows, cols, stride) = (self.rows, self.cols, self.stride);
-        let inner = &mut self.data[MARGIN * 3 * stride..][..rows * 3 * stride];
-        inner.par_chunks_exact_mut(3 * stride).enumerate().for_each(|(r, line)| {
-            let (x, rest) = line.split_at_mut(stride);
-            let (y, z) = rest.split_at_mut(stride);
-            row(r, [&mut *x, &mut *y, &mut *z]);
-            for plane in [x, y, z] {
-                for i in 0..MARGIN {
-                    plane[i] = plane[MARGIN + about_outermost(i as isize - MARGIN as isize, cols)];
-                    plane[MARGIN + cols + i] = plane[MARGIN + about_outermost((cols + i) as isize, cols)];
-                }
-            }
-        });
-        let source = |at: isize| (MARGIN + about_outermost(at, rows)) * 3 * stride;
-        for i in 0..MARGIN {
-            let above = source(i as isize - MARGIN as isize);
-            self.data.copy_within(above..above + 3 * stride, i * 3 * stride);
-            let below = source((rows + i) as isize);
-            self.data.copy_within(below..below + 3 * stride, (MARGIN + rows + i) * 3 * stride);
+    /// Writes one row.
+    #[inline(always)]
+    fn write(&mut self, row: usize, write: impl FnOnce([&mut [f32]; 3])) {
+        let length = 3 * self.stride;
+        let at = row % self.kept * length;
+        if let Some(line) = self.data.get_mut(at..at + length) {
+            with_margins(line, self.cols, write);
         }
     }
 
-    /// A row of a plane, from its left margin on; rows from −16 to 15 below the last exist.
+    /// A row of a plane, from its left margin on. Rows beyond the picture are mirrored.
     #[inline(always)]
     pub(super) fn line(&self, plane: usize, row: isize) -> &[f32] {
-        let at = ((row + MARGIN as isize) as usize * 3 + plane) * self.stride;
+        let at = (about_outermost(row, self.rows) % self.kept * 3 + plane) * self.stride;
         self.data.get(at..at + self.stride).unwrap_or(&[])
     }
 
-    /// The picture averaged over the neighbours `step` pixels away, without those whose colours differ.
-    fn smoothed(&self, step: usize, tolerance: f32, noise: [f32; 3]) -> Self {
-        let mut out = Self::empty(self.rows, self.cols);
-        out.fill(|row, planes| dispatch(Smoothing { of: self, row, step, tolerance, noise, planes }));
-        out
+    /// Writes a row of the picture averaged over the neighbours of a step, without those whose colours differ.
+    fn smooth(&self, scale: usize, row: usize, noise: [f32; 3], planes: [&mut [f32]; 3]) {
+        dispatch(Smoothing {
+            of: self,
+            row,
+            step: STEPS[scale],
+            tolerance: TOLERANCES[scale],
+            noise,
+            planes,
+        });
+    }
+}
+
+/// Writes the three planes of a row and mirrors them in their margins.
+#[inline(always)]
+fn with_margins(line: &mut [f32], cols: usize, write: impl FnOnce([&mut [f32]; 3])) {
+    let stride = line.len() / 3;
+    let (x, rest) = line.split_at_mut(stride);
+    let (y, z) = rest.split_at_mut(stride);
+    write([&mut *x, &mut *y, &mut *z]);
+    for plane in [x, y, z] {
+        for i in 0..MARGIN {
+            plane[i] = plane[MARGIN + about_outermost(i as isize - MARGIN as isize, cols)];
+            plane[MARGIN + cols + i] = plane[MARGIN + about_outermost((cols + i) as isize, cols)];
+        }
+    }
+}
+
+/// Copies a row of a picture behind the left margin.
+#[inline(always)]
+pub(super) fn copy_row(from: [&[f32]; 3], to: [&mut [f32]; 3]) {
+    for (from, to) in from.into_iter().zip(to) {
+        to[MARGIN..MARGIN + from.len()].copy_from_slice(from);
     }
 }
 
 /// The picture, then its smooth versions, the finest first.
 pub(super) struct Stages(pub(super) [Padded; 1 + SCALES]);
 
+/// The coefficients of what is tolerated, from those of 1, Y and Y² in the variance of the noise of a sample.
+fn tolerated([v0, v1, v2]: [f32; 3]) -> [f32; 3] {
+    [v0, v1, v2 + CONTRAST * CONTRAST]
+}
+
 impl Stages {
-    /// `noise` has the coefficients of 1, Y and Y² in the variance of the noise of a sample.
-    pub(super) fn of(planes: &Planes, [v0, v1, v2]: [f32; 3]) -> Self {
-        let noise = [v0, v1, v2 + CONTRAST * CONTRAST];
-        let mut stages: [Padded; 1 + SCALES] = std::array::from_fn(|_| Padded::empty(0, 0));
-        stages[0] = Padded::of(planes);
+    /// All rows of all stages. `noise` has the coefficients of 1, Y and Y² in the variance of the noise of a sample.
+    pub(super) fn of(planes: &Planes, noise: [f32; 3]) -> Self {
+        let (rows, cols, noise) = (planes.rows(), planes.cols(), tolerated(noise));
+        let mut stages: [Padded; 1 + SCALES] = std::array::from_fn(|_| Padded::keeping(0, 0, 0));
+        stages[0] = Padded::whole(rows, cols, |row, out| {
+            let line = |plane: usize| {
+                planes.data().get((plane * rows + row) * cols..).and_then(|l| l.get(..cols)).unwrap_or(&[])
+            };
+            copy_row([0, 1, 2].map(line), out);
+        });
         for scale in 0..SCALES {
-            stages[scale + 1] = stages[scale].smoothed(STEPS[scale], TOLERANCES[scale], noise);
+            let from = &stages[scale];
+            stages[scale + 1] = Padded::whole(rows, cols, |row, out| from.smooth(scale, row, noise, out));
         }
         Self(stages)
+    }
+}
+
+/// Rows of every stage beyond the outputs that depend on them: those of the picture on the sum of all steps, those of the last stage on none.
+const BEYOND: [usize; 1 + SCALES] = {
+    let mut beyond = [0; 1 + SCALES];
+    let mut scale = SCALES;
+    while scale > 0 {
+        scale -= 1;
+        beyond[scale] = beyond[scale + 1] + STEPS[scale];
+    }
+    beyond
+};
+/// Rows of the picture beyond the outputs that depend on them.
+pub(super) const ROWS_BEYOND: usize = BEYOND[0];
+
+/// The stages of a few rows at a time, from the first row of a strip on. They need memory for the rows that are read again, and stay in the cache.
+pub(super) struct RollingStages {
+    pub(super) stages: Stages,
+    noise: [f32; 3],
+    /// The first row of the strip.
+    first: usize,
+    /// The rows of every stage below this one are ready.
+    ready: [usize; 1 + SCALES],
+    /// Outputs up to this row can be computed; below the first of the strip while the stages begin.
+    end: isize,
+}
+
+impl RollingStages {
+    /// Outputs that are made ready at once.
+    pub(super) const ROWS: usize = 8;
+
+    /// For outputs from a row on, of a picture of `rows` × `cols`.
+    pub(super) fn new(first: usize, rows: usize, cols: usize, noise: [f32; 3]) -> Self {
+        let kept = |stage: usize| {
+            // What the next stage reads, and what classes and products read.
+            let next = STEPS.get(stage).map_or(0, |step| 2 * step);
+            Self::ROWS + next.max(BEYOND[stage] + MARGIN_OF_CLASSES)
+        };
+        Self {
+            stages: Stages(std::array::from_fn(|stage| Padded::keeping(kept(stage), rows, cols))),
+            noise: tolerated(noise),
+            first,
+            ready: BEYOND.map(|beyond| first.saturating_sub(beyond)),
+            end: first as isize - 2 * ROWS_BEYOND as isize,
+        }
+    }
+
+    /// Makes the stages ready for the outputs below `end`, at most [`Self::ROWS`] beyond those before. `source(row, planes)` writes a row of the picture.
+    pub(super) fn advance(&mut self, end: usize, source: impl Fn(usize, [&mut [f32]; 3])) {
+        // The first stages begin earlier, a few rows at a time as well.
+        while self.end < end as isize {
+            let goal = if self.end < self.first as isize { self.first } else { end } as isize;
+            self.end = (self.end + Self::ROWS as isize).min(goal);
+            for stage in 0..=SCALES {
+                let (before, after) = self.stages.0.split_at_mut(stage);
+                let Some(padded) = after.first_mut() else { return };
+                let until = (self.end + BEYOND[stage] as isize).clamp(0, padded.rows as isize) as usize;
+                for row in self.ready[stage]..until {
+                    padded.write(row, |planes| match before.last() {
+                        None => source(row, planes),
+                        Some(finer) => finer.smooth(stage - 1, row, self.noise, planes),
+                    });
+                }
+                self.ready[stage] = self.ready[stage].max(until);
+            }
+        }
     }
 }
 

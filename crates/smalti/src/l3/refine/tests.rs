@@ -188,3 +188,20 @@ fn what_cannot_be_refined_is_refused() {
     }
     assert!(Refinement::new(axes(), Vec::new(), Vec::new(), Vec::new()).is_err());
 }
+
+/// A picture of two strips has the same bits as a part across their border, which is one strip.
+#[test]
+fn strips_have_no_seams() {
+    let refinement = learned(1..4).solve().unwrap();
+    let (rows, cols) = (1060, 1000);
+    let picture = noisy(&tiles(rows, cols, 31, 8), 9);
+    let part = |planes: &Planes, from: std::ops::Range<usize>| {
+        let lines = planes.planes().flat_map(|p| &p[from.start * cols..from.end * cols]);
+        Planes::new(from.len(), cols, 3, lines.copied().collect()).unwrap()
+    };
+    let mut alone = part(&picture, 400..660);
+    refinement.apply(&mut alone).unwrap();
+    let mut whole = picture;
+    refinement.apply(&mut whole).unwrap();
+    assert_eq!(part(&whole, 440..620), part(&alone, 40..220));
+}
