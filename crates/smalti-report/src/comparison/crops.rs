@@ -343,7 +343,7 @@ mod tests {
         let (rect, mean) = window_of_largest_range(&[map(rows, cols, value)], (rows, cols), 32).unwrap();
         assert!(rect == expected && (mean - 2.0).abs() < 1e-6, "{rect:?} {mean}");
         // Errors of two cameras that differ at every pixel but have one mean do not count; a better mean does.
-        let noisy = |row: usize, col: usize| 5.0 + if (row + col) % 2 == 0 { 4.0 } else { -4.0 };
+        let noisy = |row: usize, col: usize| 5.0 + if (row + col).is_multiple_of(2) { 4.0 } else { -4.0 };
         let first = map(rows, cols, |r, c| {
             noisy(r, c) + if (40..72).contains(&r) && (110..142).contains(&c) { 1.0 } else { 0.0 }
         });

@@ -78,9 +78,8 @@ fn card(light: &LightWords, contenders: usize) -> Markup {
     let metric =
         |(name, words): &(&str, String)| Markup::from(el("dt").child(*name)).and(el("dd").child(words));
     let costs: Markup = light.costs.iter().map(|words| Markup::from(el("li").child(words))).collect();
-    let costs = (!light.costs.is_empty()).then(|| {
-        Markup::from(paragraph("costs", format!("Cost ({ONCE}):"))).and(el("ul").class("costs").child(costs))
-    });
+    let costs = (!light.costs.is_empty())
+        .then(|| paragraph("costs", format!("Cost ({ONCE}):")).and(el("ul").class("costs").child(costs)));
     el("article")
         .class("verdict")
         .child(el("h3").child(format!("{} cd/m²", light.luminance_cd_m2)))

@@ -187,10 +187,10 @@ impl RollingStages {
         while self.end < end as isize {
             let goal = if self.end < self.first as isize { self.first } else { end } as isize;
             self.end = (self.end + Self::ROWS as isize).min(goal);
-            for stage in 0..=SCALES {
+            for (stage, beyond) in BEYOND.into_iter().enumerate() {
                 let (before, after) = self.stages.0.split_at_mut(stage);
                 let Some(padded) = after.first_mut() else { return };
-                let until = (self.end + BEYOND[stage] as isize).clamp(0, padded.rows as isize) as usize;
+                let until = (self.end + beyond as isize).clamp(0, padded.rows as isize) as usize;
                 for row in self.ready[stage]..until {
                     padded.write(row, |planes| match before.last() {
                         None => source(row, planes),
