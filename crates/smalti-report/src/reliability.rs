@@ -35,7 +35,7 @@ pub(crate) fn meanings(all: impl IntoIterator<Item = Mtf50Reliability>) -> Vec<S
         ),
         meaning(
             Mtf50Reliability::NoEdge,
-            "The picture shows no straight edge, as after strong interpolation errors, and there is no MTF50.",
+            "The picture shows no straight edge, as after strong interpolation errors or where it is saturated, and there is no MTF50.",
         ),
     ];
     texts.into_iter().zip(found).filter_map(|(text, found)| found.then_some(text)).collect()

@@ -12,7 +12,7 @@ use super::chart::{self, LUMINANCE};
 use super::colorimetry::{ColorimetricObserver, SensorColorimetry};
 use super::grey_noise::GreyNoise;
 use super::target::{EDGE_REGION, EdgeMtf50, Target, edge_mtf50};
-use super::{Camera, CameraError, ExposureFault, GreyScores, PatchScores};
+use super::{Camera, CameraError, GreyScores, PatchScores};
 use crate::color::adaptation::bradford;
 use crate::color::display::{D65_XYZ, Matrices};
 use crate::color::matrix::product;
@@ -299,19 +299,13 @@ impl TargetCapture<'_, '_> {
         Ok(GreyNoise::mean(&GreyNoise::of_captures(&captures, light)?))
     }
 
-    /// The MTF50 of the edge of low contrast. What saturation hides is an error; other pictures without an edge have none.
+    /// The MTF50 of the edge of low contrast; not a number when the picture shows none, as where it saturates.
     fn mtf50_or_none(&self) -> Result<EdgeMtf50, CameraError> {
-        let found = edge_mtf50(self.clean.planes(), LUMINANCE, EDGE_REGION);
-        let has_no_edge = matches!(
-            &found,
-            Err(CameraError::Metric(MetricError::NoEdge(_) | MetricError::LowContrast { .. }))
-        );
-        match found.map_err(|e| self.explained(e, "the slanted edge of low contrast")) {
-            Err(error @ CameraError::Exposure { fault: ExposureFault::Saturated { .. }, .. }) => Err(error),
-            Err(_) if has_no_edge => {
+        match edge_mtf50(self.clean.planes(), LUMINANCE, EDGE_REGION) {
+            Err(CameraError::Metric(MetricError::NoEdge(_) | MetricError::LowContrast { .. })) => {
                 Ok(EdgeMtf50 { cy_per_px: f64::NAN, reliability: Mtf50Reliability::NoEdge })
             }
-            found => found,
+            found => found.map_err(|e| self.explained(e, "the slanted edge of low contrast")),
         }
     }
 
