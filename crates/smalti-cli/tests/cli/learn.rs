@@ -305,7 +305,8 @@ fn best_quality_refines_what_fast_quality_renders() {
     };
     assert!(spread(&best) < 0.5 * spread(&fast), "{} and {}", spread(&best), spread(&fast));
     // Tables and results state the quality.
-    let compared = place.ok(&format!("compare bayer {flat} --luminance 2 --seeds 1 --pipeline best.l3 -o c"));
+    let compared =
+        place.ok(&format!("compare bayer {flat} --luminance 80 --seeds 1 --pipeline best.l3 -o c"));
     assert!(compared.contains("l3 best"), "{compared}");
     let results = place.json("c/results.json");
     assert_eq!(results["results"][0]["quality"], "best", "{results}");
