@@ -84,8 +84,7 @@ pub fn load(name: &str, request: &SceneRequest) -> Result<Scene, IoError> {
         return request.applied_to(scene.load()?).at(Path::new(name));
     }
     if !is_meant(name) {
-        return catalog::build_natural(name, &setting)
-            .map_err(|source| IoError::Catalog { name: name.to_owned(), source: among_all(source) });
+        return catalog::build_natural(name, &setting).map_err(|source| of_catalog(name, source));
     }
     let path = Path::new(name);
     request.applied_to(scene_file::read(path, &setting, &request.read)?).at(path)
@@ -96,12 +95,12 @@ pub fn load(name: &str, request: &SceneRequest) -> Result<Scene, IoError> {
 /// # Errors
 /// With all built-in scenes when it has not.
 pub(crate) fn ensure_in_catalog(spec: &str) -> Result<(), IoError> {
-    let name = spec.split('?').next().unwrap_or(spec).trim();
-    if catalog::names().iter().any(|scene| scene.name == name) {
-        return Ok(());
-    }
-    let unknown = SceneError::UnknownScene { name: name.to_owned(), suggestion: None, known: String::new() };
-    Err(IoError::Catalog { name: spec.to_owned(), source: among_all(unknown) })
+    catalog::find(spec).map(drop).map_err(|source| of_catalog(spec, source))
+}
+
+/// The error about a built-in scene.
+fn of_catalog(spec: &str, source: SceneError) -> IoError {
+    IoError::Catalog { name: spec.to_owned(), source: among_all(source) }
 }
 
 /// An unknown scene with all built-in scenes, those of files too, as known ones.

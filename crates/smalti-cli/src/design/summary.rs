@@ -107,7 +107,8 @@ fn front(task: &DesignTask, points: &[FrontPoint]) -> String {
     };
     let rows: Vec<Vec<String>> = points.iter().enumerate().map(row).collect();
     format!(
-        "\nThe front: no array that was found is better in every aim than one of these. Aims are costs, less is better:\n\n{}",
+        "\nThe front: no array that was found{} is better in every aim than one of these. Aims are costs, less is better:\n\n{}",
+        if front.filters { " with as few filters" } else { "" },
         table::render(&header, &rows)
     )
 }

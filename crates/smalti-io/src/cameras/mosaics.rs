@@ -23,10 +23,10 @@ pub(super) fn split(name: &str) -> (&str, Option<&str>) {
     if Path::new(name).is_file() {
         return (name, None);
     }
-    let places =
+    let mut places =
         name.match_indices('@').filter(|(at, _)| *at > 0).map(|(at, _)| (&name[..at], &name[at + 1..]));
     let known = places.clone().find(|(camera, _)| is_camera(camera) || Path::new(camera).is_file());
-    match known.or_else(|| name.rsplit_once('@').filter(|(camera, _)| !camera.is_empty())) {
+    match known.or_else(|| places.next_back()) {
         Some((camera, mosaic)) => (camera, Some(mosaic)),
         None => (name, None),
     }

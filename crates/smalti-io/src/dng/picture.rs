@@ -41,18 +41,20 @@ pub fn write_picture(
     let unfit = || wrong(format!("white {white:?}"), "X, Y, Z of a light");
     let matrix = Primaries::ROMM.rgb_from_xyz().ok_or_else(unfit)?;
     let [x, y, z] = picture.channels();
-    let rgb = |i: usize| apply(&matrix, [x[i], y[i], z[i]].map(f64::from));
+    let plane = |[a, b, c]: [f64; 3]| {
+        let xyz = x.iter().zip(y).zip(z);
+        xyz.map(move |((x, y), z)| a * f64::from(*x) + b * f64::from(*y) + c * f64::from(*z))
+    };
     let neutral = apply(&matrix, white);
     let brightest = neutral.into_iter().fold(0.0, f64::max);
     if !(neutral.iter().all(|v| *v > 0.0) && brightest.is_finite() && gain > 0.0) {
         return Err(unfit());
     }
     // What is brighter than a white diffuser, such as a lamp, is kept.
-    let full = (0..y.len()).flat_map(rgb).fold(brightest, f64::max);
+    let full = matrix.into_iter().flat_map(plane).fold(brightest, f64::max);
     let scale = (WHITE - BLACK) / full;
-    let plane =
-        |c: usize| (0..y.len()).map(move |i| (BLACK + scale * rgb(i)[c]).round().clamp(0.0, WHITE) as u16);
-    let samples: Vec<u16> = (0..3).flat_map(plane).collect();
+    let level = |v: f64| (BLACK + scale * v).round().clamp(0.0, WHITE) as u16;
+    let samples: Vec<u16> = matrix.into_iter().flat_map(plane).map(level).collect();
     let raw = RawImage::new(
         picture.rows(),
         picture.cols(),

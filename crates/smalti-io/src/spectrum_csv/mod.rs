@@ -193,22 +193,11 @@ pub fn parse(text: &str, path: &Path) -> Result<SpectrumTable, IoError> {
             let expected = format!("{} columns", names.len() + 1);
             return Err(wrong(line, format!("{} columns", row.len()), &expected));
         }
-        let mut numbers = row.iter().map(|v| match layout.number(v.trim_end_matches('%').trim_end()) {
+        let mut number = |cell: &str, digits: &str| match layout.number(digits) {
             Some(number) if number.is_finite() => Ok(number),
-            _ => Err(wrong(line, format!("'{v}'"), layout.expected())),
-        });
-        // Cells as `12.3 %` state percent for their column, in every row.
-        for (column, (facts, cell)) in facts.iter_mut().zip(&row[1..]).enumerate() {
-            let has_sign = cell.ends_with('%');
-            if wavelengths_nm.is_empty() {
-                facts.is_percent |= has_sign;
-                facts.has_signs = has_sign;
-            } else if has_sign != facts.has_signs {
-                let found = format!("'{cell}' in column '{}'", names[column]);
-                return Err(wrong(line, found, "a percent sign in every row of a column, or in none"));
-            }
-        }
-        let nm = numbers.next().transpose()?.unwrap_or(f64::NAN);
+            _ => Err(wrong(line, format!("'{cell}'"), layout.expected())),
+        };
+        let nm = number(row[0], row[0])?;
         if nm <= 0.0 {
             return Err(wrong(line, format!("wavelength {nm}"), "a positive wavelength in nm"));
         }
@@ -216,14 +205,23 @@ pub fn parse(text: &str, path: &Path) -> Result<SpectrumTable, IoError> {
             let found = format!("wavelength {nm} after {before}");
             return Err(wrong(line, found, "ascending wavelengths, each once"));
         }
-        wavelengths_nm.push(nm);
-        for ((column, facts), number) in values.iter_mut().zip(&mut facts).zip(numbers) {
-            let number = number?;
+        for (((cell, column), facts), name) in row[1..].iter().zip(&mut values).zip(&mut facts).zip(&names) {
+            // Cells as `12.3 %` state percent for their column, in every row.
+            let digits = cell.strip_suffix('%');
+            if wavelengths_nm.is_empty() {
+                facts.is_percent |= digits.is_some();
+                facts.has_signs = digits.is_some();
+            } else if digits.is_some() != facts.has_signs {
+                let found = format!("'{cell}' in column '{name}'");
+                return Err(wrong(line, found, "a percent sign in every row of a column, or in none"));
+            }
+            let number = number(cell, digits.unwrap_or(cell).trim_end())?;
             column.push(number);
             if number > facts.largest.0 {
                 facts.largest = (number, line);
             }
         }
+        wavelengths_nm.push(nm);
     }
     if wavelengths_nm.len() < 2 {
         let found = format!("{} row of numbers", wavelengths_nm.len());

@@ -148,6 +148,7 @@ fn percent_signs_in_cells_stand_in_every_row_or_in_none() {
     assert!((read.columns[0].1.values()[1] - 0.008).abs() < 1e-15);
     assert!((read.columns[1].1.values()[0] - 0.9).abs() < 1e-15);
     let error = |text: &str| parse(text, Path::new("f.csv")).unwrap_err().to_string();
+    assert_eq!(error("nm,R\n400%,5\n"), "f.csv: line 2: found '400%'; expected a finite number");
     for (text, found) in [("nm,R\n400,5%\n410,6\n", "'6'"), ("nm,R\n400,5\n410,6%\n", "'6%'")] {
         let expected = "a percent sign in every row of a column, or in none";
         assert_eq!(error(text), format!("f.csv: line 3: found {found} in column 'R'; expected {expected}"));

@@ -256,13 +256,13 @@ fn window_of_largest_range(
                 at(sums, row + high, col + wide) - at(sums, row, col + wide) - at(sums, row + high, col)
                     + at(sums, row, col)
             };
-            let (low, high) = sums
+            let (smallest, largest) = sums
                 .iter()
                 .map(sum_of)
-                .fold((least, f64::NEG_INFINITY), |(low, high), sum| (low.min(sum), high.max(sum)));
+                .fold((least, f64::NEG_INFINITY), |(a, b), sum| (a.min(sum), b.max(sum)));
             // Differences by rounding alone do not move the window.
-            if high - low > best.1 + 1e-9 * high.abs() {
-                best = (Rect { row, col, ..best.0 }, high - low);
+            if largest - smallest > best.1 + 1e-9 * largest.abs() {
+                best = (Rect { row, col, ..best.0 }, largest - smallest);
             }
         }
     }

@@ -74,11 +74,10 @@ pub(super) fn front(front: &Front) -> Option<Markup> {
     let ([first, second, ..], true) = (&aims[..], front.points.len() > 1) else { return None };
     let mut plot = Plot::new(*first, *second)
         .title("The best compromises that were found")
-        .note(if front.filters {
-            "Costs of two aims, less is better: a figure in dB counts negative. No array that was found with as few filters is better in every aim than one of these."
-        } else {
-            "Costs of two aims, less is better: a figure in dB counts negative. No array that was found is better in every aim than one of these."
-        })
+        .note(format!(
+            "Costs of two aims, less is better: a figure in dB counts negative. No array that was found{} is better in every aim than one of these.",
+            if front.filters { " with as few filters" } else { "" }
+        ))
         .size(760.0, 480.0);
     let mut groups: BTreeMap<usize, (Vec<f64>, Vec<f64>)> = BTreeMap::new();
     for point in &front.points {

@@ -17,11 +17,13 @@ const IGNORED: [&str; 7] =
     ["name", "sensor.rows", "sensor.cols", "sensor.cfa", "isp.pipeline", "isp.white_balance", "isp.output"];
 /// Tables of a description; all other objects are values.
 const TABLES: [&str; 5] = ["optics", "sensor", "sensor.pixel", "exposure", "isp"];
+/// The key of the wavelengths: the first, the step and the last.
+const WAVELENGTHS: &str = "wavelengths_nm";
 /// What the absence of a key means, where it is not the absence of the thing.
 const ABSENT: [(&str, &str); 3] = [
     ("exposure.time_ms", "automatic"),
     ("optics.ir_cut", "none stated"),
-    ("wavelengths_nm", "400 to 700 in steps of 10"),
+    (WAVELENGTHS, "400 to 700 in steps of 10"),
 ];
 /// The longest value that is stated in full, characters.
 const MAX_STATED: usize = 40;
@@ -146,25 +148,28 @@ fn rounded(value: f64) -> String {
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }
 
+/// A number as text; anything else as JSON.
+fn number(value: &Value) -> String {
+    value.as_f64().map_or_else(|| value.to_string(), rounded)
+}
+
 /// Values as text. Long ones, such as measured curves, get a letter each.
 fn stated<'a>(key: &str, values: &[&'a Value]) -> Vec<String> {
     let mut long: Vec<&'a Value> = Vec::new();
     let one = |&value: &&'a Value| match value {
         Value::Null => ABSENT.iter().find(|(of, _)| *of == key).map_or("none", |(_, words)| words).to_owned(),
-        Value::Number(number) => number.as_f64().map_or_else(|| number.to_string(), rounded),
+        Value::Number(_) => number(value),
         Value::String(text) => text.clone(),
-        Value::Array(grid) if key == "wavelengths_nm" && grid.len() == 3 => {
-            let nm: Vec<String> = grid.iter().filter_map(Value::as_f64).map(rounded).collect();
-            format!("{} to {} in steps of {}", nm[0], nm[2], nm[1])
-        }
         Value::Object(curve) if curve.len() == 1 && curve.contains_key("builtin") => {
             curve["builtin"].as_str().unwrap_or_default().to_owned()
         }
         Value::Object(curve) if curve.len() == 1 && curve.contains_key("flat") => {
-            let flat = curve["flat"].as_f64().map_or_else(|| curve["flat"].to_string(), rounded);
-            format!("flat {flat}")
+            format!("flat {}", number(&curve["flat"]))
         }
         other => {
+            if let (WAVELENGTHS, Some([start, step, end])) = (key, other.as_array().map(Vec::as_slice)) {
+                return format!("{} to {} in steps of {}", number(start), number(end), number(step));
+            }
             let text = other.to_string();
             if text.chars().count() <= MAX_STATED {
                 return text;

@@ -156,8 +156,8 @@ struct Beyond {
 impl Beyond {
     fn of(picture: &Planes, rows: Range<usize>) -> Self {
         let cols = picture.cols();
-        let line = |row: usize| picture.planes().flat_map(move |p| &p[row * cols..(row + 1) * cols]);
-        Self { first: rows.start, data: rows.flat_map(line).copied().collect() }
+        let line = |row: usize| picture.planes().map(move |p| &p[row * cols..(row + 1) * cols]);
+        Self { first: rows.start, data: rows.flat_map(line).collect::<Vec<_>>().concat() }
     }
 }
 

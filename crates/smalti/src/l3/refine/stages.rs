@@ -19,8 +19,7 @@ const CONTRAST: f32 = 0.1;
 /// Weights of X, Y and Z in the squared difference of two colours.
 const WEIGHTS: [f32; 3] = [0.5, 1.0, 0.5];
 /// Distance of the farthest pixel of the picture on which an output depends: all smoothings, and the structure around them.
-pub(in super::super) const REACH: usize =
-    STEPS[0] + STEPS[1] + STEPS[2] + STEPS[3] + STEPS[4] + MARGIN_OF_CLASSES;
+pub(in super::super) const REACH: usize = ROWS_BEYOND + MARGIN_OF_CLASSES;
 /// Rows and columns around a pixel that determine its class, in the picture that is classified.
 const MARGIN_OF_CLASSES: usize = 3;
 /// Rows and columns around a picture: the longest step.

@@ -36,6 +36,22 @@ pub fn names() -> &'static [SceneInfo] {
     &SCENES
 }
 
+/// The scene of a name, with or without parameters.
+///
+/// # Errors
+/// [`SceneError::UnknownScene`] with the closest known name.
+pub fn find(spec: &str) -> Result<&'static SceneInfo, SceneError> {
+    let name = spec.split_once('?').map_or(spec, |(name, _)| name).trim();
+    SCENES.iter().find(|s| s.name == name).ok_or_else(|| {
+        let names: Vec<&'static str> = SCENES.iter().map(|s| s.name).collect();
+        SceneError::UnknownScene {
+            name: name.to_owned(),
+            suggestion: nearest(name, names.iter().copied()),
+            known: names.join(", "),
+        }
+    })
+}
+
 /// The parameters that every scene accepts. They override the setting.
 #[must_use]
 pub fn common_parameters() -> &'static [ParamInfo] {
@@ -59,16 +75,8 @@ pub fn build_natural(spec: &str, setting: &Setting) -> Result<Scene, SceneError>
 /// When the scene or a parameter is unknown (the error holds the closest known name), a value or the setting
 /// is out of range, or the scene would be too large.
 pub fn build(spec: &str, setting: &Setting, natural: &[Spectrum]) -> Result<Scene, SceneError> {
-    let (name, parameters) = spec.split_once('?').unwrap_or((spec, ""));
-    let name = name.trim();
-    let Some(info) = SCENES.iter().find(|s| s.name == name) else {
-        let names: Vec<&'static str> = SCENES.iter().map(|s| s.name).collect();
-        return Err(SceneError::UnknownScene {
-            name: name.to_owned(),
-            suggestion: nearest(name, names.iter().copied()),
-            known: names.join(", "),
-        });
-    };
+    let info = find(spec)?;
+    let parameters = spec.split_once('?').map_or("", |(_, parameters)| parameters);
     let args = Args::parse(info.name, info.parameters, parameters)?;
     let setting = Setting {
         luminance_cd_m2: args.number_if("luminance")?.unwrap_or(setting.luminance_cd_m2),
