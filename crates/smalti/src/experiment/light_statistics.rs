@@ -11,7 +11,7 @@ use crate::spectrum::{Illuminant, Spectrum};
 /// A gatherer for the light on the pixels of a camera under an illuminant, with components of the reflectances that pipelines learn from.
 ///
 /// # Errors
-/// When the camera has both binning and crosstalk, or a setting is out of range.
+/// When a setting is out of range.
 pub fn light_gatherer(
     camera: &Camera,
     illuminant: &Illuminant,
@@ -30,7 +30,7 @@ pub fn light_gatherer(
 /// one step of progress.
 ///
 /// # Errors
-/// When the camera has both binning and crosstalk, a setting is out of range, a scene cannot be built or imaged, or the work is stopped.
+/// When a setting is out of range, a scene cannot be built or imaged, or the work is stopped.
 pub fn light_statistics(
     camera: &Camera,
     illuminant: &Illuminant,

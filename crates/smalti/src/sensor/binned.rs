@@ -28,6 +28,24 @@ impl Sensor {
         self.binning.map_or(1.0, |b| b.readings() as f64)
     }
 
+    /// The [crosstalk](Sensor::crosstalk) between samples whose photodiodes all have the same light: the kernel itself without binning.
+    /// Where the light varies within a sample, its photodiodes beside another sample give that one more or less than this share.
+    #[must_use]
+    pub fn crosstalk_between_samples(&self) -> Option<[[f64; 3]; 3]> {
+        let (kernel, side) = (self.crosstalk?, self.binning_side());
+        let share = 1.0 / (side * side) as f64;
+        let mut between = [[0.0; 3]; 3];
+        for photodiode in 0..side * side {
+            let (row, col) = (photodiode / side, photodiode % side);
+            for (at, fraction) in kernel.as_flattened().iter().enumerate() {
+                // The sample in which the neighbour of a photodiode lies: 1 for that of the photodiode itself.
+                let [down, right] = [row + at / 3, col + at % 3].map(|place| place.div_ceil(side));
+                between[down][right] += share * fraction;
+            }
+        }
+        Some(between)
+    }
+
     /// The same device without binning: each of its pixels is a photodiode. Pitch, size, window and mosaic are
     /// those of the photodiodes; light, noise and fixed pattern of a photodiode are the same in captures of
     /// both sensors.
@@ -48,5 +66,39 @@ impl Sensor {
             binning: None,
             ..self.clone()
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sensor::{BinningMode, Cfa, Channel, Mosaic, Pixel};
+    use crate::spectrum::{Spectrum, WavelengthGrid};
+
+    /// Half of the photodiodes of a sample of 2 × 2 lie beside a neighbour, a quarter beside a diagonal one.
+    #[test]
+    fn crosstalk_between_samples_is_that_of_their_outer_photodiodes() {
+        let kernel = [[0.01, 0.05, 0.0], [0.03, 0.75, 0.04], [0.02, 0.08, 0.02]];
+        let clear = Spectrum::constant(WavelengthGrid::VISIBLE, 1.0).unwrap();
+        let channels = vec![Channel { name: "W".into(), transmittance: clear.clone() }];
+        let cfa = Cfa::new("clear", Mosaic::new(1, 1, vec![0]).unwrap(), channels).unwrap();
+        let pixel = Pixel {
+            pitch_m: 2e-6,
+            fill_factor: 1.0,
+            conversion_gain_v_per_e: 1e-4,
+            voltage_swing_v: 1.0,
+            full_well_e: 1e4,
+            dark_voltage_v_per_s: 0.0,
+            read_noise_v: 0.0,
+        };
+        let mut sensor = Sensor::new(4, 4, pixel, cfa, clear);
+        sensor.crosstalk = Some(kernel);
+        assert_eq!(sensor.crosstalk_between_samples(), Some(kernel));
+        sensor.binning = Some(Binning { side: 2, mode: BinningMode::Charge });
+        let between = sensor.crosstalk_between_samples().unwrap();
+        let up = 0.5 * 0.05 + 0.25 * 0.01;
+        assert!((between[0][1] - up).abs() < 1e-15, "{between:?}");
+        assert!((between[2][2] - 0.25 * 0.02).abs() < 1e-15, "{between:?}");
+        assert!((between.as_flattened().iter().sum::<f64>() - 1.0).abs() < 1e-15);
     }
 }

@@ -53,7 +53,7 @@ impl LightGatherer {
     /// the illuminant, from which the components are made.
     ///
     /// # Errors
-    /// When a setting is out of range, or the camera sees no light or has both binning and crosstalk.
+    /// When a setting is out of range, or the camera sees no light.
     pub fn new(
         camera: &Camera,
         illuminant: &Illuminant,
@@ -62,10 +62,6 @@ impl LightGatherer {
     ) -> Result<Self, DesignError> {
         settings.validate()?;
         let mut camera = camera.clone();
-        if camera.sensor.binning.is_some() && camera.sensor.crosstalk.is_some() {
-            let message = "crosstalk between photodiodes that are binned is not described; search with \"sensor.crosstalk_percent\" = 0 in [set], and compare the array on the camera itself";
-            return Err(DesignError::key("sensor.crosstalk", message));
-        }
         // The light before crosstalk, which mixes what filters have passed.
         camera.sensor.crosstalk = None;
         let camera = &camera;

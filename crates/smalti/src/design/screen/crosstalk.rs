@@ -1,4 +1,4 @@
-//! Crosstalk between neighbouring photodiodes, a linear operator X on the samples of a patch.
+//! Crosstalk between neighbouring samples, a linear operator X on the samples of a patch.
 //!
 //! A sample is the light of its own pixel and of its neighbours, each behind its own filter: x = X A u. The light is therefore described on
 //! patches that are one ring of pixels wider than those of samples. Covariances follow as X (A C Aᵀ) Xᵀ and X R, and derivatives with respect to
@@ -18,7 +18,7 @@ impl Crosstalk {
     /// Rings of pixels around a patch that reach its samples.
     pub(super) const BORDER: usize = 1;
 
-    /// The operator of a [kernel](crate::sensor::Sensor::crosstalk), for patches of `side` × `side` samples.
+    /// The operator of a [kernel](crate::sensor::Sensor::crosstalk_between_samples), for patches of `side` × `side` samples.
     pub(super) fn new(kernel: &[[f64; 3]; 3], side: usize) -> Self {
         let width = side + 2 * Self::BORDER;
         let of_sample = |tap: usize| {

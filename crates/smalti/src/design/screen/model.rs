@@ -91,7 +91,7 @@ impl Screen {
         let mut screen = Self {
             taps,
             light_taps,
-            crosstalk: camera.sensor.crosstalk.as_ref().map(|kernel| Crosstalk::new(kernel, side)),
+            crosstalk: camera.sensor.crosstalk_between_samples().map(|kernel| Crosstalk::new(&kernel, side)),
             components,
             side,
             groups,
