@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use smalti::l3::{Pair, Pipeline, Quality};
+use smalti::l3::{Pair, Pipeline, Quality, REFINEMENT_INPUTS, Refinement, RefinementClass};
 use smalti::numeric::Planes;
 use smalti_io::IoError;
 use smalti_io::l3::{
@@ -45,7 +45,29 @@ fn tables_come_back_bit_for_bit() {
     }
 }
 
-/// A second stage comes back bit for bit and is version 2 of the format; tables of one stage stay version 1.
+/// Tables of version 2 state no structures: they have three strengths and four orientations.
+#[test]
+fn a_second_stage_of_version_2_is_read() {
+    let axes = second_stage().axes().clone().with_structures(vec![0.02, 0.1, 0.5], 4).unwrap();
+    let classes = vec![RefinementClass { count: 9, is_learned: true }; axes.count()];
+    let weights = vec![0.02; axes.count() * 3 * REFINEMENT_INPUTS];
+    let offsets = vec![0.001; axes.count() * 3];
+    let second = Refinement::new(axes, classes, weights, offsets).unwrap();
+    let both = picture_pipeline().with_refinement(Some(second)).unwrap();
+    // Both fields, and the spaces that replace them.
+    let bytes = bytes_of(&both);
+    let text = String::from_utf8_lossy(&bytes);
+    let first = text.find(r#",\"orientations\":4"#).unwrap();
+    let stated = &text[first..first + text[first..].find('}').unwrap()];
+    let earlier = with(&bytes, stated, &" ".repeat(stated.len()));
+    let earlier = with(&earlier, r#""version":"3""#, r#""version":"2""#);
+    let found = error(&earlier);
+    let IoError::Damaged { found, stated, .. } = found else { panic!("{found}") };
+    let read = table_from_bytes(&with(&earlier, &stated, &found), Path::new("a.l3")).unwrap();
+    assert_eq!(read, both);
+}
+
+/// A second stage comes back bit for bit and is version 3 of the format; tables of one stage stay version 1.
 #[test]
 fn a_second_stage_comes_back_bit_for_bit() {
     let first = picture_pipeline();
@@ -56,7 +78,7 @@ fn a_second_stage_comes_back_bit_for_bit() {
     assert!(version(&bytes_of(&first), 1));
     let both = first.clone().with_refinement(Some(second_stage())).unwrap();
     let bytes = bytes_of(&both);
-    assert!(version(&bytes, 2));
+    assert!(version(&bytes, 3));
     let read = table_from_bytes(&bytes, Path::new("a.l3")).unwrap();
     assert_eq!(read, both);
     assert_eq!(read.quality(), Quality::Best);
@@ -69,6 +91,8 @@ fn a_second_stage_comes_back_bit_for_bit() {
             other => other.to_string(),
         }
     };
+    let reason = forged(r#"\"orientations\":8"#, r#"\"orientations\":5"#);
+    assert!(reason.contains("5 orientations of the second stage; expected 4 or 8"), "{reason}");
     let reason = forged(r#"\"noise\":[0.0000"#, r#"\"noise\":[-0.000"#);
     assert!(reason.contains("the variance of the noise at Y = 0 is -"), "{reason}");
     let reason = forged("refinement_offsets", "refinement_offzets");
@@ -156,8 +180,11 @@ fn what_is_wrong_is_said() {
     assert!(cut.starts_with("a.l3: its arrays needs") && cut.contains("cut short"), "{cut}");
     let cut = message(&good[..300]);
     assert!(cut.starts_with("a.l3: its header needs") && cut.contains("cut short"), "{cut}");
-    let other = message(&with(&good, r#""version":"1""#, r#""version":"3""#));
-    assert_eq!(other, "a.l3: it is version 3 of the smalti-l3-table format; version 1 or 2 is read here");
+    let other = message(&with(&good, r#""version":"1""#, r#""version":"4""#));
+    assert_eq!(
+        other,
+        "a.l3: it is version 4 of the smalti-l3-table format; version 1 or 2 or 3 is read here"
+    );
     let other = message(&with(&good, "smalti-l3-table", "someone-s-table"));
     assert_eq!(other, "a.l3: format is 'someone-s-table'; expected 'smalti-l3-table'");
     let damaged = message(&with(&good, r#""white_level":"1023""#, r#""white_level":"1032""#));

@@ -120,7 +120,19 @@ impl fmt::Display for TrainingContent {
     }
 }
 
+/// How many times the pairs of a stored scene count for the second stage of pipelines. The seven natural scenes then count a little more
+/// than all others, whose uniform areas would teach it to take faint natural texture for noise.
+const STORED_TIMES: u32 = 4;
+
 impl TrainingContent {
+    /// How many times the pairs of the scene count for a learner that weighs scenes.
+    pub(crate) fn times(&self) -> u32 {
+        match self {
+            Self::Catalog(_) => 1,
+            Self::Stored(_) => STORED_TIMES,
+        }
+    }
+
     /// The name without parameters.
     #[must_use]
     pub fn name(&self) -> &str {

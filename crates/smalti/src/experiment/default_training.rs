@@ -218,6 +218,7 @@ impl<L: Learner> Gathering<'_, L> {
         (scene, settings, item): (&TrainingScene, &TrainingSettings, u64),
     ) -> Result<(), CameraError> {
         let DefaultTraining { camera, light, .. } = self.of;
+        self.learner.weigh(scene.content.times());
         if *light == scene.light {
             return camera.train_on_image(&mut self.learner, built, image, settings, item);
         }

@@ -48,7 +48,7 @@ pub(super) fn second_stage<'a>(
 ) -> Result<SecondStage<'a>, ExperimentError> {
     pipeline.ensure_picture().map_err(|_| ExperimentError::NotRefined(pipeline.outputs().join(", ")))?;
     let axes = camera.refinement_axes(light).in_context(|| "learning".into())?;
-    Ok(SecondStage { pipeline, statistics: RefinementStatistics::new(axes) })
+    Ok(SecondStage::new(pipeline, RefinementStatistics::new(axes)))
 }
 
 /// Empty statistics for pairs of raw files and pictures: the raw images are noisy, and the pictures have the white of sRGB.

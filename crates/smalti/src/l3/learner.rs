@@ -12,6 +12,9 @@ pub trait Learner: Send {
     /// # Errors
     /// When sizes, mosaics or levels do not match, or a value is not finite.
     fn add(&mut self, pair: &Pair<'_>) -> Result<(), L3Error>;
+
+    /// States how many times the pairs that follow count. A learner may ignore it.
+    fn weigh(&mut self, _times: u32) {}
 }
 
 impl Learner for Statistics {
@@ -31,9 +34,16 @@ pub struct SecondStage<'a> {
     pub pipeline: &'a Pipeline,
     /// What is learned so far.
     pub statistics: RefinementStatistics,
+    times: u32,
 }
 
-impl SecondStage<'_> {
+impl<'a> SecondStage<'a> {
+    /// Without a picture.
+    #[must_use]
+    pub fn new(pipeline: &'a Pipeline, statistics: RefinementStatistics) -> Self {
+        Self { pipeline, statistics, times: 1 }
+    }
+
     /// The pipeline of both stages.
     ///
     /// # Errors
@@ -50,6 +60,10 @@ impl Learner for SecondStage<'_> {
 
     fn add(&mut self, pair: &Pair<'_>) -> Result<(), L3Error> {
         let picture = self.pipeline.render_raw(pair.seen.unwrap_or(pair.raw))?.planes;
-        self.statistics.add(&picture, pair.target)
+        self.statistics.add(&picture, pair.target, self.times)
+    }
+
+    fn weigh(&mut self, times: u32) {
+        self.times = times;
     }
 }

@@ -139,6 +139,18 @@ pub(super) fn direction(cos: f32, sin: f32) -> u32 {
     if cos.abs() >= sin.abs() { along } else { slanted }
 }
 
+/// The same for eight orientations, a multiple of 22.5° each.
+#[inline(always)]
+pub(super) fn fine_direction(cos: f32, sin: f32) -> u32 {
+    /// The tangent of 22.5°.
+    const TAN: f32 = std::f32::consts::SQRT_2 - 1.0;
+    let (along, across) = (cos.abs(), sin.abs());
+    // Doubled, the orientations are multiples of 45°: 0°, 45° or 90° from the axis of the cosine.
+    let from_axis = u32::from(across > TAN * along) + u32::from(TAN * across >= along);
+    let turned = if cos >= 0.0 { from_axis } else { 4 - from_axis };
+    if sin > 0.0 { turned } else { (8 - turned) % 8 }
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::classify::{Classifier, RowClasses};

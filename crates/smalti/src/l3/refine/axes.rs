@@ -7,18 +7,22 @@ use super::super::{L3Error, Levels};
 
 /// Thresholds of the trace of the structure tensor, in variances of the noise of one sample. The picture that is classified has been
 /// smoothed, so that flat areas stay below the first.
-pub(super) const STRENGTHS: [f32; 3] = [0.02, 0.1, 0.5];
-/// Structures of each strength: texture, and edges in four orientations.
-const PER_STRENGTH: usize = 5;
-/// Structures: flat, and those of each strength.
-pub(super) const STRUCTURES: usize = 1 + STRENGTHS.len() * PER_STRENGTH;
+const STRENGTHS: [f32; 10] = [0.02, 0.1, 0.5, 2.5, 12.5, 62.5, 312.5, 1562.5, 7812.5, 39_062.5];
+/// Orientations of edges.
+const ORIENTATIONS: usize = 8;
+/// The same in tables of version 2, which do not state them.
+const EARLIER: ([f32; 3], usize) = ([0.02, 0.1, 0.5], 4);
+/// Greatest number of strengths.
+pub(super) const MAX_STRENGTHS: usize = 12;
 
-/// Classes of pixels by brightness and structure: level × (flat, or strength × (texture, edge 0°, 45°, 90°, 135°)).
+/// Classes of pixels by brightness and structure: level × (flat, or strength × (texture, or an edge in one of the orientations)).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Stated")]
 pub struct RefinementAxes {
     levels: Levels,
     noise: [f32; 3],
+    strengths: Vec<f32>,
+    orientations: usize,
 }
 
 /// The fields of axes that are not checked yet.
@@ -27,13 +31,25 @@ pub struct RefinementAxes {
 struct Stated {
     levels: Levels,
     noise: [f32; 3],
+    #[serde(default = "earlier_strengths")]
+    strengths: Vec<f32>,
+    #[serde(default = "earlier_orientations")]
+    orientations: usize,
+}
+
+fn earlier_strengths() -> Vec<f32> {
+    EARLIER.0.to_vec()
+}
+
+fn earlier_orientations() -> usize {
+    EARLIER.1
 }
 
 impl TryFrom<Stated> for RefinementAxes {
     type Error = L3Error;
 
-    fn try_from(Stated { levels, noise }: Stated) -> Result<Self, L3Error> {
-        Self::new(levels, noise)
+    fn try_from(stated: Stated) -> Result<Self, L3Error> {
+        Self::new(stated.levels, stated.noise)?.with_structures(stated.strengths, stated.orientations)
     }
 }
 
@@ -48,7 +64,33 @@ impl RefinementAxes {
         for value in noise {
             within("a variance of the noise of the picture", f64::from(value), 0.0..=1e6, "0 to 1e6")?;
         }
-        Ok(Self { levels, noise })
+        Ok(Self { levels, noise, strengths: STRENGTHS.to_vec(), orientations: ORIENTATIONS })
+    }
+
+    /// The same with other structures: thresholds of the trace of the structure tensor, in variances of the noise of one sample, and the
+    /// number of orientations of edges.
+    ///
+    /// # Errors
+    /// When there are no thresholds or more than twelve, they are not above 0 and ascending, or there are not 4 or 8 orientations.
+    pub fn with_structures(self, strengths: Vec<f32>, orientations: usize) -> Result<Self, L3Error> {
+        let (count, expected) = (strengths.len() as f64, "1 to 12");
+        within("the number of strengths of structure", count, 1.0..=MAX_STRENGTHS as f64, expected)?;
+        let mut last = 0.0;
+        for &strength in &strengths {
+            let least = f64::from(f32::next_up(last));
+            within(
+                "a strength of structure",
+                f64::from(strength),
+                least..=1e6,
+                "above the one before, at most 1e6",
+            )?;
+            last = strength;
+        }
+        if ![4, 8].contains(&orientations) {
+            let reason = format!("{orientations} orientations of the second stage; expected 4 or 8");
+            return Err(L3Error::Table(reason));
+        }
+        Ok(Self { strengths, orientations, ..self })
     }
 
     /// Levels of Y.
@@ -63,31 +105,60 @@ impl RefinementAxes {
         self.noise
     }
 
+    /// Thresholds of the strengths of structure, in variances of the noise of one sample.
+    #[must_use]
+    pub fn strengths(&self) -> &[f32] {
+        &self.strengths
+    }
+
+    /// Number of orientations of edges, 4 or 8.
+    #[must_use]
+    pub fn orientations(&self) -> usize {
+        self.orientations
+    }
+
     /// Number of classes.
     #[must_use]
     pub fn count(&self) -> usize {
-        self.levels.count() * STRUCTURES
+        self.levels.count() * self.structures()
     }
 
-    /// Number of structures of each level.
+    /// Number of structures of each level: flat, and texture and edges of each strength.
     #[must_use]
     pub fn structures(&self) -> usize {
-        STRUCTURES
+        1 + self.strengths.len() * (1 + self.orientations)
+    }
+
+    /// Steps of level or strength, whichever are more, between two classes of the same texture or orientation. `None` for other classes.
+    pub(super) fn steps_between(&self, a: u32, b: u32) -> Option<usize> {
+        let kinds = 1 + self.orientations;
+        // Level, strength and kind; flat is a kind of its own.
+        let of = |class: u32| {
+            let (level, structure) = (class as usize / self.structures(), class as usize % self.structures());
+            match structure.checked_sub(1) {
+                None => (level, 0, kinds),
+                Some(i) => (level, i / kinds, i % kinds),
+            }
+        };
+        let ((level_a, strength_a, kind_a), (level_b, strength_b, kind_b)) = (of(a), of(b));
+        (kind_a == kind_b).then(|| level_a.abs_diff(level_b).max(strength_a.abs_diff(strength_b)))
+    }
+
+    /// The most steps between two classes.
+    pub(super) fn longest(&self) -> usize {
+        self.levels.count().max(self.strengths.len()) - 1
     }
 
     /// The name of a structure.
     #[must_use]
-    pub fn structure_name(structure: usize) -> String {
-        const KINDS: [&str; PER_STRENGTH] = ["texture", "edge 0°", "edge 45°", "edge 90°", "edge 135°"];
-        match structure.checked_sub(1) {
-            None => "flat".into(),
-            Some(i) => format!("{}, strength {}", KINDS[i % PER_STRENGTH], 1 + i / PER_STRENGTH),
+    pub fn structure_name(&self, structure: usize) -> String {
+        let Some(i) = structure.checked_sub(1) else { return "flat".into() };
+        let strength = 1 + i / (1 + self.orientations);
+        match (i % (1 + self.orientations)).checked_sub(1) {
+            None => format!("texture, strength {strength}"),
+            Some(edge) => {
+                format!("edge {}°, strength {strength}", 180.0 / self.orientations as f64 * edge as f64)
+            }
         }
     }
-}
-
-/// The structure of a strength from 0 and a kind: texture 0, then the edges.
-#[inline(always)]
-pub(super) fn structure(strength: u32, kind: u32) -> u32 {
-    if strength == 0 { 0 } else { 1 + (strength - 1) * PER_STRENGTH as u32 + kind }
 }

@@ -3,8 +3,8 @@
 use std::ops::Range;
 
 use super::super::Textures;
-use super::super::orientation::direction;
-use super::axes::{RefinementAxes, STRENGTHS, STRUCTURES, structure};
+use super::super::orientation::{direction, fine_direction};
+use super::axes::{MAX_STRENGTHS, RefinementAxes};
 use super::stages::{MARGIN, Padded};
 use crate::numeric::simd::{Kernel, dispatch};
 
@@ -77,6 +77,11 @@ impl Kernel for Classification<'_> {
         classes.clear();
         classes.resize(rows.len() * cols, 0);
         let [v0, v1, v2] = axes.noise();
+        // Strengths that do not exist are never reached.
+        let mut limits = [f32::INFINITY; MAX_STRENGTHS];
+        limits.iter_mut().zip(axes.strengths()).for_each(|(limit, strength)| *limit = *strength);
+        let (structures, is_fine) = (axes.structures() as u32, axes.orientations() == 8);
+        let kinds = 1 + axes.orientations() as u32;
         for (i, out) in classes.chunks_exact_mut(cols).enumerate() {
             for (plane, average) in scratch.products.iter().zip(&mut scratch.averages) {
                 let lines: [&[f32]; 2 * HALF + 1] =
@@ -106,15 +111,17 @@ impl Kernel for Classification<'_> {
                 let noise = v0 + (v1 + v2 * light) * light;
                 let trace = xx + yy;
                 let mut strength = 0;
-                for limit in STRENGTHS {
+                for limit in limits {
                     strength += u32::from(trace > limit * noise);
                 }
                 let (difference, twice) = (xx - yy, 2.0 * xy);
                 let coherence = Textures::EDGE_COHERENCE as f32;
                 let is_edge = difference * difference + twice * twice > coherence * coherence * trace * trace;
-                let kind = if is_edge { 1 + direction(difference, twice) } else { 0 };
-                let level = axes.levels().level_of(mean) as u32;
-                *class = level * STRUCTURES as u32 + structure(strength, kind);
+                let orientation =
+                    if is_fine { fine_direction(difference, twice) } else { direction(difference, twice) };
+                let kind = if is_edge { 1 + orientation } else { 0 };
+                let structure = if strength == 0 { 0 } else { 1 + (strength - 1) * kinds + kind };
+                *class = axes.levels().level_of(mean) as u32 * structures + structure;
             }
         }
     }

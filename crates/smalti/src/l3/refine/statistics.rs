@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use super::super::error::ensure_finite;
 use super::super::solve::{Solution, regularised};
 use super::super::{L3Error, Moments};
-use super::axes::{RefinementAxes, STRUCTURES};
+use super::axes::RefinementAxes;
 use super::classes::{Scratch, classify};
 use super::inputs::{COUNT, Lines, OWN};
 use super::refinement::{OUTPUTS, Refinement, RefinementClass};
@@ -17,7 +17,7 @@ use crate::numeric::products::{LANES, add_products};
 use crate::numeric::simd::{Kernel, dispatch};
 
 /// Raised when learning the second stage gives other kernels for equal pictures: stages that were kept under another revision are not used.
-pub const REFINEMENT_REVISION: u32 = 1;
+pub const REFINEMENT_REVISION: u32 = 2;
 
 /// Length of z = (1, inputs, targets), in whole registers.
 const STRIDE: usize = (1 + COUNT + OUTPUTS).next_multiple_of(LANES);
@@ -50,17 +50,18 @@ impl RefinementStatistics {
         &self.axes
     }
 
-    /// Number of pixels.
+    /// Number of pixels, each as often as it was counted.
     #[must_use]
     pub fn count(&self) -> u64 {
         self.classes.values().map(Moments::count).sum()
     }
 
-    /// Adds a picture of a first stage, X, Y, Z, and its target. Equal pictures in equal order give equal bits for any number of threads.
+    /// Adds a picture of a first stage, X, Y, Z, and its target, counted several times. Equal pictures in equal order give equal bits for
+    /// any number of threads.
     ///
     /// # Errors
     /// When one of them does not have three planes, sizes differ, or a value is not finite.
-    pub fn add(&mut self, picture: &Planes, target: &Planes) -> Result<(), L3Error> {
+    pub fn add(&mut self, picture: &Planes, target: &Planes, times: u32) -> Result<(), L3Error> {
         let size = [picture.rows(), picture.cols()];
         for planes in [picture, target] {
             if planes.count() != OUTPUTS {
@@ -93,7 +94,10 @@ impl RefinementStatistics {
                 all.filter_map(|(class, moments)| Some((moments, lists.next_if(|(c, _)| c == class)?.1)));
             let work: Vec<(&mut Moments, Vec<u32>)> = found.collect();
             work.into_par_iter().for_each(|(moments, pixels)| {
-                let sums = dispatch(Sums { stages: &stages, target, pixels: &pixels });
+                let mut sums = dispatch(Sums { stages: &stages, target, pixels: &pixels });
+                if times != 1 {
+                    sums.iter_mut().for_each(|s| *s *= f64::from(times));
+                }
                 moments.add_square(&sums, STRIDE);
             });
         }
@@ -114,34 +118,46 @@ impl RefinementStatistics {
         Ok(())
     }
 
-    /// Solves the kernels of every class. Classes with too few pixels take those of the nearest level with the same structure, or else
-    /// of the nearest structure.
+    /// Solves the kernels of every class. A class with too few pixels shares those of its neighbours: the same texture or orientation at
+    /// levels and strengths up to one step away, two steps, and so on, until they suffice. If they never do, its kernels leave the picture
+    /// as it is.
     ///
     /// # Errors
     /// When there is no picture, or the moments of a class have no solution.
     pub fn solve(&self) -> Result<Refinement, L3Error> {
         let least = PIXELS_PER_INPUT * COUNT as u64;
-        let learned: BTreeMap<u32, Solution> = self
-            .classes
-            .par_iter()
-            .filter(|(_, moments)| moments.count() >= least)
-            .map(|(class, moments)| {
-                let solution = regularised(moments, COUNT, OUTPUTS, LOAD);
-                Ok((*class, solution.ok_or(L3Error::Singular(*class as usize))?))
-            })
-            .collect::<Result<_, L3Error>>()?;
-        let unchanged = identity();
-        let mut classes = Vec::with_capacity(self.axes.count());
-        let (mut weights, mut offsets) = (Vec::new(), Vec::new());
-        for class in 0..self.axes.count() as u32 {
-            let from = nearest(&learned, class);
-            let solution = from.and_then(|from| learned.get(&from)).unwrap_or(&unchanged);
-            weights.extend(solution.weights.iter().map(|&w| w as f32));
-            offsets.extend(solution.offsets.iter().map(|&o| o as f32));
-            let count = self.classes.get(&class).map_or(0, Moments::count);
-            classes.push(RefinementClass { count, is_learned: from == Some(class) });
-        }
-        Refinement::new(self.axes.clone(), classes, weights, offsets)
+        let solve = |class: u32| {
+            let own = self.classes.get(&class);
+            let count = own.map_or(0, Moments::count);
+            let is_learned = count >= least;
+            let pooled = if is_learned { None } else { self.pooled(class, least) };
+            let solution = match pooled.as_ref().or(own.filter(|_| is_learned)) {
+                Some(moments) => {
+                    let solution = regularised(moments, COUNT, OUTPUTS, LOAD);
+                    solution.ok_or(L3Error::Singular(class as usize))?
+                }
+                None => identity(),
+            };
+            Ok((RefinementClass { count, is_learned }, solution))
+        };
+        let all = (0..self.axes.count() as u32).into_par_iter().map(solve);
+        let all: Vec<(RefinementClass, Solution)> = all.collect::<Result<_, L3Error>>()?;
+        let weights = all.iter().flat_map(|(_, s)| s.weights.iter().map(|&w| w as f32)).collect();
+        let offsets = all.iter().flat_map(|(_, s)| s.offsets.iter().map(|&o| o as f32)).collect();
+        Refinement::new(self.axes.clone(), all.iter().map(|(class, _)| *class).collect(), weights, offsets)
+    }
+
+    /// The moments of the nearest neighbours of a class that together have `least` pixels.
+    fn pooled(&self, class: u32, least: u64) -> Option<Moments> {
+        let steps = |other: u32| self.axes.steps_between(class, other);
+        let near: Vec<(usize, &Moments)> =
+            self.classes.iter().filter_map(|(other, m)| Some((steps(*other)?, m))).collect();
+        let within = |reach: usize| near.iter().filter(move |(steps, _)| *steps <= reach).map(|(_, m)| *m);
+        let reach = (1..=self.axes.longest())
+            .find(|reach| within(*reach).map(Moments::count).sum::<u64>() >= least)?;
+        let mut sum = Moments::new(COUNT, OUTPUTS);
+        within(reach).for_each(|m| sum.merge(m));
+        Some(sum)
     }
 }
 
@@ -150,17 +166,6 @@ fn identity() -> Solution {
     let mut weights = vec![0.0; OUTPUTS * COUNT];
     OWN.iter().enumerate().for_each(|(output, own)| weights[output * COUNT + own] = 1.0);
     Solution { weights, offsets: vec![0.0; OUTPUTS] }
-}
-
-/// The learned class that is most like a class: first by structure, then by level.
-fn nearest(learned: &BTreeMap<u32, Solution>, class: u32) -> Option<u32> {
-    let of = |class: u32| (class / STRUCTURES as u32, class % STRUCTURES as u32);
-    let (level, structure) = of(class);
-    let far = |&other: &u32| {
-        let (l, s) = of(other);
-        (s.abs_diff(structure), l.abs_diff(level), l)
-    };
-    learned.keys().copied().min_by_key(far)
 }
 
 /// Σ z zᵀ over pixels, upper triangle.

@@ -1,4 +1,3 @@
-use super::axes::STRUCTURES;
 use super::classes::{Scratch, classify};
 use super::stages::Stages;
 use super::*;
@@ -48,7 +47,7 @@ fn learned(seeds: std::ops::Range<u64>) -> RefinementStatistics {
     let mut statistics = RefinementStatistics::new(axes());
     for seed in seeds {
         let target = tiles(160, 170, 20 + seed as usize, seed);
-        statistics.add(&noisy(&target, seed), &target).unwrap();
+        statistics.add(&noisy(&target, seed), &target, 1).unwrap();
     }
     statistics
 }
@@ -91,21 +90,30 @@ fn a_uniform_picture_is_one_class_and_stays_uniform() {
 
 #[test]
 fn edges_are_told_by_orientation_and_strength() {
-    let class = |picture: &Planes, at: [usize; 2]| {
+    let class_by = |axes: &RefinementAxes, picture: &Planes, at: [usize; 2]| {
         let (mut scratch, mut classes) = (Scratch::default(), Vec::new());
-        let stages = Stages::of(picture, axes().noise());
-        classify(&axes(), &stages.0[1], 0..picture.rows(), picture.cols(), &mut scratch, &mut classes);
-        RefinementAxes::structure_name(classes[at[0] * picture.cols() + at[1]] as usize % STRUCTURES)
+        let stages = Stages::of(picture, axes.noise());
+        classify(axes, &stages.0[1], 0..picture.rows(), picture.cols(), &mut scratch, &mut classes);
+        axes.structure_name(classes[at[0] * picture.cols() + at[1]] as usize % axes.structures())
     };
+    let class = |picture: &Planes, at: [usize; 2]| class_by(&axes(), picture, at);
     let step = |height: f32, side: fn(usize, usize) -> bool| {
         planes(40, 40, move |_, r, c| if side(r, c) { 0.2 } else { 0.2 + height })
     };
     assert_eq!(class(&step(0.0, |_, c| c < 20), [20, 20]), "flat");
-    assert_eq!(class(&step(0.5, |_, c| c < 20), [20, 20]), "edge 0°, strength 3");
-    assert_eq!(class(&step(0.5, |r, _| r < 20), [20, 20]), "edge 90°, strength 3");
-    assert_eq!(class(&step(0.5, |r, c| r + c < 40), [20, 20]), "edge 45°, strength 3");
-    assert_eq!(class(&step(0.5, |r, c| r < c), [20, 20]), "edge 135°, strength 3");
+    assert_eq!(class(&step(0.5, |_, c| c < 20), [20, 20]), "edge 0°, strength 6");
+    assert_eq!(class(&step(0.5, |r, _| r < 20), [20, 20]), "edge 90°, strength 6");
+    assert_eq!(class(&step(0.5, |r, c| r + c < 40), [20, 20]), "edge 45°, strength 6");
+    assert_eq!(class(&step(0.5, |r, c| r < c), [20, 20]), "edge 135°, strength 6");
+    // Half a column for each row: across 26.6° from the columns, to the left and to the right.
+    assert_eq!(class(&step(0.5, |r, c| 2 * c + r < 60), [20, 20]), "edge 22.5°, strength 6");
+    assert_eq!(class(&step(0.5, |r, c| 2 * c < 20 + r), [20, 20]), "edge 157.5°, strength 6");
+    assert_eq!(class(&step(0.5, |r, c| c + 2 * r < 60), [20, 20]), "edge 67.5°, strength 6");
     assert_eq!(class(&step(0.5, |_, c| c < 20), [20, 10]), "flat");
+    // The structures of version 2.
+    let earlier = axes().with_structures(vec![0.02, 0.1, 0.5], 4).unwrap();
+    assert_eq!(earlier.structures(), 16);
+    assert_eq!(class_by(&earlier, &step(0.5, |r, c| r + c < 40), [20, 20]), "edge 45°, strength 3");
     // Fainter than the noise.
     assert_eq!(class(&step(0.004, |_, c| c < 20), [20, 20]), "flat");
 }
@@ -158,7 +166,7 @@ fn parts_merge_to_the_whole() {
 fn without_enough_pixels_a_picture_stays_as_it_is() {
     let mut statistics = RefinementStatistics::new(axes());
     let target = tiles(12, 12, 4, 1);
-    statistics.add(&noisy(&target, 1), &target).unwrap();
+    statistics.add(&noisy(&target, 1), &target, 1).unwrap();
     let refinement = statistics.solve().unwrap();
     assert!(refinement.classes().iter().all(|c| !c.is_learned));
     let mut picture = noisy(&target, 2);
@@ -171,13 +179,13 @@ fn what_cannot_be_refined_is_refused() {
     let mut statistics = RefinementStatistics::new(axes());
     let good = planes(8, 9, |_, _, _| 0.5);
     let two = Planes::zeros(8, 9, 2);
-    assert_eq!(statistics.add(&two, &good), Err(L3Error::Outputs { expected: 3, got: 2 }));
+    assert_eq!(statistics.add(&two, &good, 1), Err(L3Error::Outputs { expected: 3, got: 2 }));
     let size = [8, 9];
     let smaller = planes(8, 8, |_, _, _| 0.5);
     let differ = L3Error::PairSize { what: "the target", size, got: [8, 8] };
-    assert_eq!(statistics.add(&good, &smaller), Err(differ));
+    assert_eq!(statistics.add(&good, &smaller, 1), Err(differ));
     let bad = planes(8, 9, |p, r, c| if [p, r, c] == [1, 2, 3] { f32::INFINITY } else { 0.5 });
-    match statistics.add(&good, &bad) {
+    match statistics.add(&good, &bad, 1) {
         Err(L3Error::Value { row: 2, col: 3, .. }) => {}
         other => panic!("{other:?}"),
     }
@@ -204,4 +212,19 @@ fn strips_have_no_seams() {
     let mut whole = picture;
     refinement.apply(&mut whole).unwrap();
     assert_eq!(part(&whole, 440..620), part(&alone, 40..220));
+}
+
+/// A picture that counts three times is as good as the same picture three times.
+#[test]
+fn a_picture_may_count_several_times() {
+    let target = tiles(90, 80, 20, 3);
+    let picture = noisy(&target, 3);
+    let (mut once, mut thrice) = (RefinementStatistics::new(axes()), RefinementStatistics::new(axes()));
+    once.add(&picture, &target, 3).unwrap();
+    (0..3).for_each(|_| thrice.add(&picture, &target, 1).unwrap());
+    assert_eq!(once.count(), 3 * 90 * 80);
+    assert_eq!(once.count(), thrice.count());
+    let (once, thrice) = (once.solve().unwrap(), thrice.solve().unwrap());
+    let far = once.weights().zip(thrice.weights()).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+    assert!(far < 1e-4, "{far}");
 }
