@@ -11,7 +11,7 @@ use super::mosaics::{MosaicFamily, MosaicRequest};
 use super::permutation::Permutation;
 use super::scenes::StudyScene;
 use super::scores::Metric;
-use crate::camera::description::{CfaDescription, PatternDescription};
+use crate::camera::description::{BinnedBlocks, BinningDescription, CfaDescription, PatternDescription};
 use crate::camera::{Camera, CameraDescription, CameraError};
 use crate::sensor::{Cfa, Channel, Filter, Mosaic};
 use crate::spectrum::{Illuminant, WavelengthGrid};
@@ -156,13 +156,22 @@ impl Design {
         Ok(Cfa::new(self.filters.label.clone(), self.mosaic.clone(), channels)?)
     }
 
-    /// The description of a camera with the filters and the mosaic of this design; channels are named as in [`Design::cfa`].
+    /// The description of a camera with the filters and the mosaic of this design; channels are named as in [`Design::cfa`]. The mosaic
+    /// of a camera that bins is that of its samples, so that each cell becomes a block of photodiodes.
     #[must_use]
     pub fn camera(&self, fixed: &CameraDescription) -> CameraDescription {
-        let row = |cells: &[u8]| cells.iter().map(|&c| letter(usize::from(c))).collect();
-        let pattern = self.mosaic.cells().chunks(self.mosaic.cols().max(1)).map(row).collect();
-        let named = |(i, filter): (usize, &Filter)| (letter(i).to_string(), filter.clone());
         let mut camera = fixed.clone();
+        let side = fixed.sensor.binning_side().unwrap_or(1);
+        if let Some(binning) = fixed.sensor.binning {
+            camera.sensor.binning =
+                Some(BinningDescription::Blocks(BinnedBlocks { side, mode: binning.mode() }));
+        }
+        let row = |cells: &[u8]| -> String {
+            cells.iter().flat_map(|&c| std::iter::repeat_n(letter(usize::from(c)), side)).collect()
+        };
+        let rows = self.mosaic.cells().chunks(self.mosaic.cols().max(1));
+        let pattern = rows.flat_map(|cells| std::iter::repeat_n(row(cells), side)).collect();
+        let named = |(i, filter): (usize, &Filter)| (letter(i).to_string(), filter.clone());
         camera.sensor.cfa = CfaDescription {
             pattern: PatternDescription::Letters(pattern),
             filters: self.filters.filters.iter().enumerate().map(named).collect(),

@@ -108,18 +108,22 @@ impl SensorDescription {
     /// binned.
     #[must_use]
     pub fn sample_pitch_um(&self) -> Option<f64> {
-        let side = match (self.binning, &self.cfa.pattern) {
-            (None, _) => 1,
-            (Some(BinningDescription::Blocks(blocks)), _) => blocks.side,
+        Some(self.pixel.pitch_um * self.binning_side()? as f64)
+    }
+
+    /// Photodiodes along each side of a sample, 1 without binning. `None` when the mosaic cannot be binned.
+    pub(crate) fn binning_side(&self) -> Option<usize> {
+        match (self.binning, &self.cfa.pattern) {
+            (None, _) => Some(1),
+            (Some(BinningDescription::Blocks(blocks)), _) => Some(blocks.side),
             (Some(BinningDescription::Mode(_)), pattern) => {
                 let lines = match pattern {
                     PatternDescription::Name(name) => cfa::pattern(name).ok()?,
                     PatternDescription::Letters(lines) => lines.clone(),
                 };
-                Mosaic::from_letters(&lines).ok()?.0.block_side(Binning::MAX_SIDE)?
+                Mosaic::from_letters(&lines).ok()?.0.block_side(Binning::MAX_SIDE)
             }
-        };
-        Some(self.pixel.pitch_um * side as f64)
+        }
     }
 }
 
