@@ -30,21 +30,9 @@ import cv2
 import numpy as np
 import smalti
 import tifffile
+from compare_menon import SCENES
 from colour_demosaicing import demosaicing_CFA_Bayer_bilinear, demosaicing_CFA_Bayer_Menon2007
 
-SETS = {
-    # Those of `test_scenes` in crates/smalti/src/camera/compare.rs, and the photographs among its natural scenes, all under D65.
-    "charts": [
-        "dead-leaves?rows=576&cols=768&least=2&largest=150&seed=1001",
-        "macbeth?patch=128",
-        "resolution-chart?rows=576",
-        "siemens-star?size=576",
-        "hdr?rows=384",
-    ],
-    "photographs": [
-        f"photo-{name}" for name in ("astronaut", "brushes", "dahlia", "fig", "pagoda", "raccoon", "spices", "stream")
-    ],
-}
 # Strengths of the denoisers: luminance of RawTherapee, 0 to 100, and h of non-local means relative to the noise of 8-bit values.
 DENOISE = (20, 50, 80)
 NON_LOCAL = (0.4, 0.8, 1.2)
@@ -182,7 +170,7 @@ def beneath(image, reference):
     return reference[top : top + rows, left : left + cols]
 
 
-def methods(args, camera, work):
+def methods(args, camera, pipelines, work):
     """Each method with the strengths to choose from."""
     classic = {}
     if args.mosaic == "bayer":
@@ -204,31 +192,32 @@ def methods(args, camera, work):
         classic[f"RawTherapee {name}"] = [RawTherapee(work, method)]
         classic[f"RawTherapee {name}, denoised"] = [RawTherapee(work, method, s) for s in DENOISE]
     classic["darktable"] = [Darktable(work)] * DARKTABLE_RUNS
-    return classic, {f"L³ {quality}": [Smalti(camera, pipeline)] for quality, pipeline in pipelines(camera)}
+    learned = {f"L³ {name}": [Smalti(camera, pipeline)] for name, pipeline in pipelines.items()}
+
+    def wanted(all_):
+        return {name: m for name, m in all_.items() if not args.methods or any(text in name for text in args.methods)}
+
+    return wanted(classic), wanted(learned)
 
 
-def pipelines(camera):
-    return [(q, smalti.train(camera, illuminants=["D65"], quality=q, progress=False)) for q in ("fast", "best")]
-
-
-def matrix(method, camera, work):
+def matrix(method, checker, dng, work):
     """Camera RGB to XYZ, by least squares on a ColorChecker without noise."""
-    photo = camera.photograph(smalti.Scene("macbeth", luminance_cd_m2=80.0), noise="none")
-    photo.raw.write(work / "checker.dng")
-    image = method.develop(photo, work / "checker.dng", work)
-    truth = beneath(image, np.asarray(photo.reference().array))
+    image = method.develop(checker, dng, work)
+    truth = beneath(image, np.asarray(checker.reference().array))
     return np.linalg.lstsq(image.reshape(-1, 3), truth.reshape(-1, 3), rcond=None)[0]
 
 
-def quality(args, camera, work):
-    classic, learned = methods(args, camera, work)
-    choices = {name: [(m, matrix(m, camera, work)) for m in all_] for name, all_ in classic.items()}
+def quality(args, camera, pipelines, work):
+    classic, learned = methods(args, camera, pipelines, work)
+    checker = camera.photograph(smalti.Scene("macbeth", luminance_cd_m2=80.0), noise="none")
+    checker_dng = work / "checker.dng"
+    checker.raw.write(checker_dng)
+    choices = {name: [(m, matrix(m, checker, checker_dng, work)) for m in all_] for name, all_ in classic.items()}
     choices |= {name: [(m, np.eye(3)) for m in all_] for name, all_ in learned.items()}
-    choices = {name: all_ for name, all_ in choices.items() if not args.methods or any(m in name for m in args.methods)}
     rows = []
     for luminance in args.luminance:
         found = {name: [[] for _ in all_] for name, all_ in choices.items()}
-        for spec in SETS[args.scenes]:
+        for spec, _ in SCENES[args.scenes]:
             photo = camera.photograph(smalti.Scene(spec, luminance_cd_m2=luminance), seed=args.seed)
             photo.raw.write(work / "scene.dng")
             reference = photo.reference()
@@ -247,9 +236,9 @@ def quality(args, camera, work):
     return rows
 
 
-def speed(work):
+def speed(pipelines, work):
     """Megapixels per second of whole commands, from a large DNG to a TIFF."""
-    for name, pipeline in pipelines(smalti.Camera("bayer")):
+    for name, pipeline in pipelines.items():
         pipeline.write(work / f"{name}.l3")
     for name, (height, width) in {"large": SIZE, "tiny": (256, 256)}.items():
         sized = smalti.Camera("bayer", set={"sensor.rows": height, "sensor.cols": width})
@@ -292,7 +281,7 @@ def show(rows):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--mosaic", choices=("bayer", "xtrans"), default="bayer", help="the mosaic (default bayer)")
-    parser.add_argument("--scenes", choices=SETS, default="photographs", help="the set of scenes (default photographs)")
+    parser.add_argument("--scenes", choices=SCENES, default="photographs", help="the set of scenes (default photographs)")
     parser.add_argument("--luminance", type=float, nargs="+", default=[1.0, 10.0, 80.0], help="cd/m² (default 1 10 80)")
     parser.add_argument("--methods", nargs="+", metavar="TEXT", help="only methods whose names contain one of these (default all)")
     parser.add_argument("--seed", type=int, default=1, help="seed of the noise (default 1)")
@@ -301,12 +290,15 @@ def main():
     args = parser.parse_args()
     tile = {"sensor.cfa.pattern": "xtrans"} if args.mosaic == "xtrans" else {}
     camera = smalti.Camera("bayer", set=tile)
+    pipelines = {
+        quality: smalti.train(camera, illuminants=["D65"], quality=quality, progress=False) for quality in ("fast", "best")
+    }
     with tempfile.TemporaryDirectory() as folder:
         work = pathlib.Path(folder)
-        rows = [] if args.only == "speed" else quality(args, camera, work)
+        rows = [] if args.only == "speed" else quality(args, camera, pipelines, work)
         if rows:
             show(rows)
-        times = [] if args.only == "quality" or args.mosaic != "bayer" else speed(work)
+        times = [] if args.only == "quality" or args.mosaic != "bayer" else speed(pipelines, work)
         for row in times:
             print(f"| {row['method']} | {row['seconds']:.2f} s | {row['megapixels_per_s']:.1f} MP/s |")
     if args.json:

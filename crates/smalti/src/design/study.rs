@@ -166,11 +166,9 @@ impl Design {
             camera.sensor.binning =
                 Some(BinningDescription::Blocks(BinnedBlocks { side, mode: binning.mode() }));
         }
-        let row = |cells: &[u8]| -> String {
-            cells.iter().flat_map(|&c| std::iter::repeat_n(letter(usize::from(c)), side)).collect()
-        };
-        let rows = self.mosaic.cells().chunks(self.mosaic.cols().max(1));
-        let pattern = rows.flat_map(|cells| std::iter::repeat_n(row(cells), side)).collect();
+        let mosaic = self.mosaic.with_blocks(side);
+        let row = |cells: &[u8]| cells.iter().map(|&c| letter(usize::from(c))).collect();
+        let pattern = mosaic.cells().chunks(mosaic.cols().max(1)).map(row).collect();
         let named = |(i, filter): (usize, &Filter)| (letter(i).to_string(), filter.clone());
         camera.sensor.cfa = CfaDescription {
             pattern: PatternDescription::Letters(pattern),

@@ -10,8 +10,6 @@ use super::super::{L3Error, Levels};
 const STRENGTHS: [f32; 10] = [0.02, 0.1, 0.5, 2.5, 12.5, 62.5, 312.5, 1562.5, 7812.5, 39_062.5];
 /// Orientations of edges.
 const ORIENTATIONS: usize = 8;
-/// The same in tables of version 2, which do not state them.
-const EARLIER: ([f32; 3], usize) = ([0.02, 0.1, 0.5], 4);
 /// Greatest number of strengths.
 pub(super) const MAX_STRENGTHS: usize = 12;
 
@@ -31,18 +29,18 @@ pub struct RefinementAxes {
 struct Stated {
     levels: Levels,
     noise: [f32; 3],
-    #[serde(default = "earlier_strengths")]
+    #[serde(default = "strengths_of_version_2")]
     strengths: Vec<f32>,
-    #[serde(default = "earlier_orientations")]
+    #[serde(default = "orientations_of_version_2")]
     orientations: usize,
 }
 
-fn earlier_strengths() -> Vec<f32> {
-    EARLIER.0.to_vec()
+fn strengths_of_version_2() -> Vec<f32> {
+    vec![0.02, 0.1, 0.5]
 }
 
-fn earlier_orientations() -> usize {
-    EARLIER.1
+fn orientations_of_version_2() -> usize {
+    4
 }
 
 impl TryFrom<Stated> for RefinementAxes {
@@ -126,22 +124,30 @@ impl RefinementAxes {
     /// Number of structures of each level: flat, and texture and edges of each strength.
     #[must_use]
     pub fn structures(&self) -> usize {
-        1 + self.strengths.len() * (1 + self.orientations)
+        1 + self.strengths.len() * self.kinds()
+    }
+
+    /// Structures of each strength: texture, and an edge in each orientation.
+    pub(super) fn kinds(&self) -> usize {
+        1 + self.orientations
+    }
+
+    /// Strength and kind, from 0, of a structure that is not flat.
+    fn strength_and_kind(&self, structure: usize) -> Option<[usize; 2]> {
+        structure.checked_sub(1).map(|i| [i / self.kinds(), i % self.kinds()])
     }
 
     /// Steps of level or strength, whichever are more, between two classes of the same texture or orientation. `None` for other classes.
     pub(super) fn steps_between(&self, a: u32, b: u32) -> Option<usize> {
-        let kinds = 1 + self.orientations;
-        // Level, strength and kind; flat is a kind of its own.
-        let of = |class: u32| {
-            let (level, structure) = (class as usize / self.structures(), class as usize % self.structures());
-            match structure.checked_sub(1) {
-                None => (level, 0, kinds),
-                Some(i) => (level, i / kinds, i % kinds),
-            }
-        };
-        let ((level_a, strength_a, kind_a), (level_b, strength_b, kind_b)) = (of(a), of(b));
-        (kind_a == kind_b).then(|| level_a.abs_diff(level_b).max(strength_a.abs_diff(strength_b)))
+        let structures = self.structures();
+        let [(level_a, a), (level_b, b)] =
+            [a, b].map(|c| (c as usize / structures, self.strength_and_kind(c as usize % structures)));
+        let levels = level_a.abs_diff(level_b);
+        match (a, b) {
+            (None, None) => Some(levels),
+            (Some([a, kind_a]), Some([b, kind_b])) if kind_a == kind_b => Some(levels.max(a.abs_diff(b))),
+            _ => None,
+        }
     }
 
     /// The most steps between two classes.
@@ -152,13 +158,19 @@ impl RefinementAxes {
     /// The name of a structure.
     #[must_use]
     pub fn structure_name(&self, structure: usize) -> String {
-        let Some(i) = structure.checked_sub(1) else { return "flat".into() };
-        let strength = 1 + i / (1 + self.orientations);
-        match (i % (1 + self.orientations)).checked_sub(1) {
-            None => format!("texture, strength {strength}"),
-            Some(edge) => {
-                format!("edge {}°, strength {strength}", 180.0 / self.orientations as f64 * edge as f64)
+        match self.strength_and_kind(structure) {
+            None => "flat".into(),
+            Some([strength, 0]) => format!("texture, strength {}", 1 + strength),
+            Some([strength, kind]) => {
+                let angle = 180.0 / self.orientations as f64 * (kind - 1) as f64;
+                format!("edge {angle}°, strength {}", 1 + strength)
             }
         }
     }
+}
+
+/// The structure of a strength and a kind, both from 0 for flat and for texture, among `kinds` of each strength.
+#[inline(always)]
+pub(super) fn structure(strength: u32, kind: u32, kinds: u32) -> u32 {
+    if strength == 0 { 0 } else { 1 + (strength - 1) * kinds + kind }
 }

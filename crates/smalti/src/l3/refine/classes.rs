@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::super::Textures;
 use super::super::orientation::{direction, fine_direction};
-use super::axes::{MAX_STRENGTHS, RefinementAxes};
+use super::axes::{MAX_STRENGTHS, RefinementAxes, structure};
 use super::stages::{MARGIN, Padded};
 use crate::numeric::simd::{Kernel, dispatch};
 
@@ -81,7 +81,7 @@ impl Kernel for Classification<'_> {
         let mut limits = [f32::INFINITY; MAX_STRENGTHS];
         limits.iter_mut().zip(axes.strengths()).for_each(|(limit, strength)| *limit = *strength);
         let (structures, is_fine) = (axes.structures() as u32, axes.orientations() == 8);
-        let kinds = 1 + axes.orientations() as u32;
+        let kinds = axes.kinds() as u32;
         for (i, out) in classes.chunks_exact_mut(cols).enumerate() {
             for (plane, average) in scratch.products.iter().zip(&mut scratch.averages) {
                 let lines: [&[f32]; 2 * HALF + 1] =
@@ -120,8 +120,8 @@ impl Kernel for Classification<'_> {
                 let orientation =
                     if is_fine { fine_direction(difference, twice) } else { direction(difference, twice) };
                 let kind = if is_edge { 1 + orientation } else { 0 };
-                let structure = if strength == 0 { 0 } else { 1 + (strength - 1) * kinds + kind };
-                *class = axes.levels().level_of(mean) as u32 * structures + structure;
+                let level = axes.levels().level_of(mean) as u32;
+                *class = level * structures + structure(strength, kind, kinds);
             }
         }
     }

@@ -95,9 +95,7 @@ impl RefinementStatistics {
             let work: Vec<(&mut Moments, Vec<u32>)> = found.collect();
             work.into_par_iter().for_each(|(moments, pixels)| {
                 let mut sums = dispatch(Sums { stages: &stages, target, pixels: &pixels });
-                if times != 1 {
-                    sums.iter_mut().for_each(|s| *s *= f64::from(times));
-                }
+                sums.iter_mut().for_each(|s| *s *= f64::from(times));
                 moments.add_square(&sums, STRIDE);
             });
         }
@@ -127,18 +125,15 @@ impl RefinementStatistics {
     pub fn solve(&self) -> Result<Refinement, L3Error> {
         let least = PIXELS_PER_INPUT * COUNT as u64;
         let solve = |class: u32| {
-            let own = self.classes.get(&class);
-            let count = own.map_or(0, Moments::count);
-            let is_learned = count >= least;
-            let pooled = if is_learned { None } else { self.pooled(class, least) };
-            let solution = match pooled.as_ref().or(own.filter(|_| is_learned)) {
+            let count = self.classes.get(&class).map_or(0, Moments::count);
+            let solution = match self.pooled(class, least) {
                 Some(moments) => {
-                    let solution = regularised(moments, COUNT, OUTPUTS, LOAD);
+                    let solution = regularised(&moments, COUNT, OUTPUTS, LOAD);
                     solution.ok_or(L3Error::Singular(class as usize))?
                 }
                 None => identity(),
             };
-            Ok((RefinementClass { count, is_learned }, solution))
+            Ok((RefinementClass { count, is_learned: count >= least }, solution))
         };
         let all = (0..self.axes.count() as u32).into_par_iter().map(solve);
         let all: Vec<(RefinementClass, Solution)> = all.collect::<Result<_, L3Error>>()?;
@@ -147,13 +142,13 @@ impl RefinementStatistics {
         Refinement::new(self.axes.clone(), all.iter().map(|(class, _)| *class).collect(), weights, offsets)
     }
 
-    /// The moments of the nearest neighbours of a class that together have `least` pixels.
+    /// The moments of a class, and of its nearest neighbours if they are needed for `least` pixels.
     fn pooled(&self, class: u32, least: u64) -> Option<Moments> {
         let steps = |other: u32| self.axes.steps_between(class, other);
         let near: Vec<(usize, &Moments)> =
             self.classes.iter().filter_map(|(other, m)| Some((steps(*other)?, m))).collect();
         let within = |reach: usize| near.iter().filter(move |(steps, _)| *steps <= reach).map(|(_, m)| *m);
-        let reach = (1..=self.axes.longest())
+        let reach = (0..=self.axes.longest())
             .find(|reach| within(*reach).map(Moments::count).sum::<u64>() >= least)?;
         let mut sum = Moments::new(COUNT, OUTPUTS);
         within(reach).for_each(|m| sum.merge(m));

@@ -190,7 +190,7 @@ impl Mosaic {
 
     /// The mosaic with a block of `side` × `side` cells in place of each cell: the reverse of
     /// [`Mosaic::binned`]. Its tile may have more cells than [`Mosaic::new`] allows.
-    pub(in crate::sensor) fn with_blocks(&self, side: usize) -> Self {
+    pub(crate) fn with_blocks(&self, side: usize) -> Self {
         let (rows, cols) = (self.rows * side, self.cols * side);
         let cell = |i: usize| self.cells[i / cols / side * self.cols + i % cols / side];
         Self { rows, cols, cells: (0..rows * cols).map(cell).collect(), channels: self.channels }
