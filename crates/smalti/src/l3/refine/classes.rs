@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use super::super::Textures;
+use super::super::blocks::{LANES, values};
 use super::super::orientation::{direction, fine_direction};
 use super::axes::{MAX_STRENGTHS, RefinementAxes, structure};
 use super::stages::{MARGIN, Padded};
@@ -10,8 +11,9 @@ use crate::numeric::simd::{Kernel, dispatch};
 
 /// Columns and rows around a pixel whose gradients are averaged.
 const HALF: usize = 2;
+const SIDE: usize = 2 * HALF + 1;
 /// Weights of their average, in both directions.
-const TENT: [f32; 2 * HALF + 1] = [1.0 / 9.0, 2.0 / 9.0, 3.0 / 9.0, 2.0 / 9.0, 1.0 / 9.0];
+const TENT: [f32; SIDE] = [1.0 / 9.0, 2.0 / 9.0, 3.0 / 9.0, 2.0 / 9.0, 1.0 / 9.0];
 
 /// Memory that a thread reuses.
 #[derive(Debug, Default)]
@@ -22,7 +24,7 @@ pub(super) struct Scratch {
     averages: [Vec<f32>; 3],
 }
 
-/// The classes of some rows of a picture, row by row.
+/// The classes of some rows of a picture, row by row, each padded to whole vectors.
 pub(super) fn classify(
     axes: &RefinementAxes,
     picture: &Padded,
@@ -49,7 +51,9 @@ impl Kernel for Classification<'_> {
     #[inline(always)]
     fn run(self) {
         let Self { axes, picture, rows, cols, scratch, classes } = self;
-        let width = cols + 2 * HALF;
+        let padded = cols.next_multiple_of(LANES);
+        // A vector that begins within a row reads as many columns beyond it.
+        let width = padded + LANES;
         let count = rows.len() + 2 * HALF;
         for plane in &mut scratch.products {
             plane.resize(count * width, 0.0);
@@ -75,54 +79,89 @@ impl Kernel for Classification<'_> {
             }
         }
         classes.clear();
-        classes.resize(rows.len() * cols, 0);
-        let [v0, v1, v2] = axes.noise();
+        classes.resize(rows.len() * padded, 0);
         // Strengths that do not exist are never reached.
         let mut limits = [f32::INFINITY; MAX_STRENGTHS];
         limits.iter_mut().zip(axes.strengths()).for_each(|(limit, strength)| *limit = *strength);
-        let (structures, is_fine) = (axes.structures() as u32, axes.orientations() == 8);
-        let kinds = axes.kinds() as u32;
-        for (i, out) in classes.chunks_exact_mut(cols).enumerate() {
+        let of_block = Block { axes, limits };
+        for (i, out) in classes.chunks_exact_mut(padded).enumerate() {
             for (plane, average) in scratch.products.iter().zip(&mut scratch.averages) {
-                let lines: [&[f32]; 2 * HALF + 1] =
-                    std::array::from_fn(|down| &plane[(i + down) * width..][..width]);
-                for c in 0..width {
-                    let mut sum = 0.0;
-                    for (line, tent) in lines.iter().zip(TENT) {
-                        sum += tent * line[c];
-                    }
-                    average[c] = sum;
+                let mut lines = plane[i * width..].chunks_exact(width);
+                average.fill(0.0);
+                for (tent, line) in TENT.into_iter().zip(&mut lines) {
+                    average.iter_mut().zip(line).for_each(|(sum, v)| *sum += tent * v);
                 }
             }
             let row = (rows.start + i) as isize;
-            let lines = [y(row - 1), y(row), y(row + 1)].map(|line| &line[MARGIN - 1..][..cols + 2]);
-            let averages = &scratch.averages;
-            for (c, class) in out.iter_mut().enumerate() {
-                let [xx, yy, xy]: [f32; 3] = std::array::from_fn(|plane| {
-                    let mut sum = 0.0;
-                    for (right, tent) in TENT.iter().enumerate() {
-                        sum += tent * averages[plane][c + right];
-                    }
-                    sum
-                });
-                let sides = |line: &[f32]| line[c] + 2.0 * line[c + 1] + line[c + 2];
-                let mean = (sides(lines[0]) + 2.0 * sides(lines[1]) + sides(lines[2])) / 16.0;
-                let light = if mean > 0.0 { mean } else { 0.0 };
-                let noise = v0 + (v1 + v2 * light) * light;
-                let trace = xx + yy;
-                let mut strength = 0;
-                for limit in limits {
-                    strength += u32::from(trace > limit * noise);
-                }
-                let (difference, twice) = (xx - yy, 2.0 * xy);
-                let coherence = Textures::EDGE_COHERENCE as f32;
-                let is_edge = difference * difference + twice * twice > coherence * coherence * trace * trace;
-                let orientation =
-                    if is_fine { fine_direction(difference, twice) } else { direction(difference, twice) };
-                let kind = if is_edge { 1 + orientation } else { 0 };
-                let level = axes.levels().level_of(mean) as u32;
-                *class = level * structures + structure(strength, kind, kinds);
+            let lines = [y(row - 1), y(row), y(row + 1)];
+            for (out, at) in out.as_chunks_mut::<LANES>().0.iter_mut().zip((0..).step_by(LANES)) {
+                let near = lines.map(|line| values::<f32, { LANES + 2 }>(line, MARGIN - 1 + at));
+                let [Some(above), Some(here), Some(below)] = near else { return };
+                let [xx, yy, xy] = &scratch.averages;
+                let tensor = [tent(xx, at), tent(yy, at), tent(xy, at)];
+                of_block.classes([above, here, below], &tensor, out);
             }
+        }
+    }
+}
+
+/// The average of a plane along a row.
+#[inline(always)]
+fn tent(plane: &[f32], at: usize) -> [f32; LANES] {
+    let mut sums = [0.0; LANES];
+    for (right, tent) in TENT.iter().enumerate() {
+        let Some(values) = values::<f32, LANES>(plane, at + right) else { return sums };
+        for i in 0..LANES {
+            sums[i] += tent * values[i];
+        }
+    }
+    sums
+}
+
+/// Classification of a vector of pixels.
+struct Block<'a> {
+    axes: &'a RefinementAxes,
+    limits: [f32; MAX_STRENGTHS],
+}
+
+impl Block<'_> {
+    /// From Y of the rows around the pixels, and their structure tensors X X, Y Y, X Y.
+    #[inline(always)]
+    fn classes(&self, y: [&[f32; LANES + 2]; 3], tensor: &[[f32; LANES]; 3], out: &mut [u32; LANES]) {
+        const COHERENCE: f32 = Textures::EDGE_COHERENCE as f32;
+        let [v0, v1, v2] = self.axes.noise();
+        let (mut mean, mut noise) = ([0.0; LANES], [0.0; LANES]);
+        for i in 0..LANES {
+            let [above, here, below] = y.map(|line| line[i] + 2.0 * line[i + 1] + line[i + 2]);
+            mean[i] = (above + 2.0 * here + below) / 16.0;
+            let light = if mean[i] > 0.0 { mean[i] } else { 0.0 };
+            noise[i] = v0 + (v1 + v2 * light) * light;
+        }
+        let mut levels = [0; LANES];
+        for &cut in self.axes.levels().cuts() {
+            for i in 0..LANES {
+                levels[i] += u32::from(cut <= mean[i]);
+            }
+        }
+        let [xx, yy, xy] = tensor;
+        let mut strengths = [0; LANES];
+        for limit in self.limits {
+            for i in 0..LANES {
+                strengths[i] += u32::from(xx[i] + yy[i] > limit * noise[i]);
+            }
+        }
+        let mut kinds = [0; LANES];
+        let is_fine = self.axes.orientations() == 8;
+        for i in 0..LANES {
+            let (trace, difference, twice) = (xx[i] + yy[i], xx[i] - yy[i], 2.0 * xy[i]);
+            let is_edge = difference * difference + twice * twice > COHERENCE * COHERENCE * trace * trace;
+            let orientation =
+                if is_fine { fine_direction(difference, twice) } else { direction(difference, twice) };
+            kinds[i] = if is_edge { 1 + orientation } else { 0 };
+        }
+        let (structures, per_strength) = (self.axes.structures() as u32, self.axes.kinds() as u32);
+        for i in 0..LANES {
+            out[i] = levels[i] * structures + structure(strengths[i], kinds[i], per_strength);
         }
     }
 }

@@ -5,9 +5,10 @@
 //! depend on the mosaic:
 //!
 //! 1. [`stages`] smooths the picture five times, over neighbours 1, 2, 4, 8 and 16 pixels away, without the neighbours whose colours
-//!    differ by more than the noise ([dammertz2010]). Edges stay, and flat areas become means over 63 × 63 pixels.
+//!    differ by more than the noise ([dammertz2010]). Edges stay, and flat areas become means over 63 × 63 pixels. The last two pictures have every
+//!    second row and column.
 //! 2. [`classes`] classifies every pixel by brightness and by the structure tensor of the first of these pictures, relative to the noise.
-//! 3. The output is linear in the pixel's neighbourhood in the picture and in the five smooth colours ([`inputs`]). The kernels of
+//! 3. The output is linear in the pixel's neighbourhood in the picture and in the five smooth colours ([`inputs`], [`products`]). The kernels of
 //!    each class minimise the squared error over the training pictures, in closed form from streamed moments ([`RefinementStatistics`]).
 //!
 //! [dammertz2010]: https://doi.org/10.2312/EGGH/HPG10/067-075
@@ -15,11 +16,14 @@
 mod axes;
 mod classes;
 mod inputs;
+mod products;
 mod refinement;
 mod stages;
 mod statistics;
 #[cfg(test)]
 mod tests;
+#[cfg(target_arch = "x86_64")]
+mod x86;
 
 pub use axes::RefinementAxes;
 pub use refinement::{REFINEMENT_INPUTS, Refinement, RefinementClass};

@@ -5,24 +5,21 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use super::super::L3Error;
+use super::super::blocks::LANES;
 use super::axes::RefinementAxes;
 use super::classes::{Scratch, classify};
-use super::inputs::{COUNT, Lines};
-use super::stages::{ROWS_BEYOND, RollingStages, Stages, copy_row};
+use super::inputs::COUNT;
+use super::products::{Kernels, RowInputs, arranged, products, weights_of};
+use super::stages::{ROWS_BEYOND, RollingStages, copy_row};
 use crate::isp::demosaic::bands_of;
 use crate::numeric::Planes;
-use crate::numeric::simd::{Kernel, dispatch};
 
 /// X, Y, Z.
 pub(super) const OUTPUTS: usize = 3;
-/// Lanes in which products are summed.
-const LANES: usize = 16;
-/// Weights of a row of a kernel, padded with zeros to whole vectors.
-const PADDED: usize = COUNT.next_multiple_of(LANES);
 /// Least pixels of a strip, which computes the stages of a few rows beyond itself as well.
 const STRIP_PIXELS: usize = 1 << 19;
 /// Number of inputs of the second stage: Y of the 5 × 5 pixels around the pixel, X and Z of 3 × 3, in row order, then X, Y, Z of the five
-/// smooth pictures, the finest first.
+/// smooth pictures, the finest first. The last two have every second row and column.
 pub const REFINEMENT_INPUTS: usize = COUNT;
 
 /// A class of the second stage.
@@ -39,8 +36,7 @@ pub struct RefinementClass {
 pub struct Refinement {
     axes: RefinementAxes,
     classes: Vec<RefinementClass>,
-    /// Class × output × input, each row padded to whole vectors.
-    weights: Vec<f32>,
+    kernels: Vec<Kernels>,
     /// Class × output.
     offsets: Vec<f32>,
 }
@@ -67,11 +63,9 @@ impl Refinement {
         if !weights.iter().chain(&offsets).all(|v| v.is_finite()) {
             return Err(L3Error::Table("a kernel of the second stage is not finite".into()));
         }
-        let mut padded = vec![0.0; count * OUTPUTS * PADDED];
-        for (row, weights) in padded.chunks_exact_mut(PADDED).zip(weights.chunks_exact(COUNT)) {
-            row[..COUNT].copy_from_slice(weights);
-        }
-        Ok(Self { axes, classes, weights: padded, offsets })
+        let weights = weights.chunks_exact(OUTPUTS * COUNT);
+        let kernels = weights.zip(offsets.chunks_exact(OUTPUTS)).map(|(w, o)| arranged(w, o)).collect();
+        Ok(Self { axes, classes, kernels, offsets })
     }
 
     /// The class axes.
@@ -88,7 +82,7 @@ impl Refinement {
 
     /// The weights, in the order class, output, input.
     pub fn weights(&self) -> impl Iterator<Item = f32> {
-        self.weights.chunks_exact(PADDED).flat_map(|row| row[..COUNT].iter().copied())
+        self.kernels.iter().flat_map(weights_of)
     }
 
     /// The offsets, in the order class, output.
@@ -110,7 +104,8 @@ impl Refinement {
             return Ok(());
         }
         let strips = (rows * cols / STRIP_PIXELS).clamp(1, 2 * rayon::current_num_threads());
-        let strip_rows = rows.div_ceil(strips);
+        // Coarse pictures have every second row, so that strips begin at even rows.
+        let strip_rows = rows.div_ceil(strips).next_multiple_of(2);
         // Strips are refined in place, so that what they read of their neighbours is copied before.
         let beyond: Vec<[Beyond; 2]> = (0..rows)
             .step_by(strip_rows)
@@ -133,14 +128,19 @@ impl Refinement {
         let first = strip.rows.start;
         let mut rolling = RollingStages::new(first, rows, cols, self.axes.noise());
         let (mut scratch, mut classes) = (Scratch::default(), Vec::new());
+        let mut inputs = RowInputs::default();
         for start in strip.rows.clone().step_by(RollingStages::ROWS) {
             let group = start..(start + RollingStages::ROWS).min(strip.rows.end);
             rolling.advance(group.end, |row, planes| copy_row(strip.line(row, cols), planes));
             let stages = &rolling.stages;
-            classify(&self.axes, &stages.0[1], group.clone(), cols, &mut scratch, &mut classes);
-            for (row, classes) in group.zip(classes.chunks_exact(cols)) {
-                let first = (row - first) * cols;
-                dispatch(Products { of: self, stages, row, classes, first, band: &mut strip.band });
+            classify(&self.axes, stages.smooth(0), group.clone(), cols, &mut scratch, &mut classes);
+            for (row, classes) in group.zip(classes.chunks_exact(cols.next_multiple_of(LANES))) {
+                inputs.read(stages, row, cols);
+                let at = (row - first) * cols;
+                if let [x, y, z] = strip.band.as_mut_slice() {
+                    let out = [x, y, z].map(|plane| &mut plane[at..at + cols]);
+                    products(&self.kernels, classes, &inputs, out);
+                }
             }
         }
     }
@@ -182,54 +182,5 @@ impl Strip<'_> {
             };
             found.and_then(|line| line.get(..cols)).unwrap_or(&[])
         })
-    }
-}
-
-/// A row of outputs: offset + Σ weight · input.
-struct Products<'a, 'b> {
-    of: &'a Refinement,
-    stages: &'a Stages,
-    row: usize,
-    classes: &'a [u32],
-    /// Index of the row's first pixel in the band.
-    first: usize,
-    band: &'a mut [&'b mut [f32]],
-}
-
-impl Kernel for Products<'_, '_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let Self { of, stages, row, classes, first, band } = self;
-        let lines = Lines::of(stages, row);
-        let mut inputs = [0.0f32; PADDED + LANES];
-        let (kernels, offsets) =
-            (of.weights.as_chunks::<{ OUTPUTS * PADDED }>().0, of.offsets.as_chunks::<OUTPUTS>().0);
-        for (col, &class) in classes.iter().enumerate() {
-            lines.read(col, &mut inputs);
-            let (Some(kernel), Some(offset)) = (kernels.get(class as usize), offsets.get(class as usize))
-            else {
-                continue;
-            };
-            let vectors = inputs.as_chunks::<LANES>().0;
-            for (output, plane) in band.iter_mut().enumerate() {
-                let row = kernel[output * PADDED..(output + 1) * PADDED].as_chunks::<LANES>().0;
-                let mut sums = [0.0; LANES];
-                for (weights, values) in row.iter().zip(vectors) {
-                    for i in 0..LANES {
-                        sums[i] += weights[i] * values[i];
-                    }
-                }
-                let mut half = LANES / 2;
-                while half > 0 {
-                    for i in 0..half {
-                        sums[i] += sums[i + half];
-                    }
-                    half /= 2;
-                }
-                plane[first + col] = offset[output] + sums[0];
-            }
-        }
     }
 }

@@ -1,49 +1,58 @@
 //! The picture and its smooth versions, with mirrored margins.
 
+use std::ops::Range;
+
 use rayon::prelude::*;
 
-use super::super::blocks::{LANES, values, values_mut};
+use super::super::blocks::{BLOCK, LANES, values_mut};
+use super::super::render::Register;
 use crate::numeric::Planes;
 use crate::numeric::mirror::about_outermost;
 use crate::numeric::simd::{Kernel, dispatch};
 
 /// Number of smooth pictures.
 pub(super) const SCALES: usize = 5;
-/// Distances of the neighbours that each smoothing averages.
-const STEPS: [usize; SCALES] = [1, 2, 4, 8, 16];
+/// Smooth pictures that have every pixel. The others have every second row and column: neighbours farther apart than a pixel of theirs
+/// are pixels of theirs as well.
+pub(super) const FINE: usize = 3;
+/// Number of pictures: the picture, the fine smooth ones, every second pixel of the last of these, and the coarse smooth ones.
+const PICTURES: usize = 2 + SCALES;
+/// Index of the first picture of every second row and column.
+const HALF: usize = 1 + FINE;
+/// Distances of the neighbours over which a smoothing averages, in its own pixels; 0 for pictures that are not smoothings.
+const STEPS: [usize; PICTURES] = [0, 1, 2, 4, 0, 4, 8];
 /// Differences of colour up to twice these tolerances count, in standard deviations of a sample: each is half of that of the smoothing
 /// before, because the noise falls about as fast.
-const TOLERANCES: [f32; SCALES] = [3.0, 1.5, 0.75, 0.375, 0.1875];
+const TOLERANCES: [f32; PICTURES] = [0.0, 3.0, 1.5, 0.75, 0.0, 0.375, 0.1875];
 /// Contrast that is tolerated as noise is, because it may be an error of the first stage: a tenth.
 const CONTRAST: f32 = 0.1;
-/// Weights of X, Y and Z in the squared difference of two colours.
-const WEIGHTS: [f32; 3] = [0.5, 1.0, 0.5];
-/// Distance of the farthest pixel of the picture on which an output depends: all smoothings, and the structure around them.
-pub(in super::super) const REACH: usize = ROWS_BEYOND + MARGIN_OF_CLASSES;
-/// Rows and columns around a pixel that determine its class, in the picture that is classified.
-const MARGIN_OF_CLASSES: usize = 3;
-/// Rows and columns around a picture: the longest step.
-pub(super) const MARGIN: usize = STEPS[SCALES - 1];
-/// Columns that one step of the smoothing processes, two vectors.
-const WIDTH: usize = 2 * LANES;
+/// Bounds of the squared difference of colours that is tolerated, so that its square has single precision.
+const SQUARES: [f32; 2] = [1e-15, 1e15];
+/// Distance of the farthest pixel of the picture on which an output depends. An output of an odd row reads the coarse pictures of the row
+/// before.
+pub(in super::super) const REACH: usize = ROWS_BEYOND + 1;
+/// Rows and columns around a picture: at least the longest step, and what classes and products read.
+pub(super) const MARGIN: usize = 16;
+/// Rows around an output that classes and products read.
+const AROUND: usize = 3;
 
 /// X, Y and Z of the rows of a picture, which is mirrored about its outermost pixels. It keeps all rows or the latest ones.
 pub(super) struct Padded {
     rows: usize,
     cols: usize,
-    /// Values of a row of one plane.
+    /// Vectors of a row of one plane.
     stride: usize,
     /// Rows that are kept: row r takes the place of row r − kept.
     kept: usize,
-    data: Vec<f32>,
+    data: Vec<Register<f32, LANES>>,
 }
 
 impl Padded {
     fn keeping(kept: usize, rows: usize, cols: usize) -> Self {
-        // Vectors that begin within a row may end in its padding.
-        let stride = (cols + 2 * MARGIN).next_multiple_of(WIDTH) + WIDTH;
+        // Blocks that begin within a row, and what they read around it, end in its padding.
+        let stride = (cols.next_multiple_of(BLOCK) + 2 * MARGIN) / LANES + 1;
         let kept = kept.min(rows).max(1);
-        Self { rows, cols, stride, kept, data: vec![0.0; kept * 3 * stride] }
+        Self { rows, cols, stride, kept, data: vec![Register([0.0; LANES]); kept * 3 * stride] }
     }
 
     /// All rows, each written by `row(row, planes)`, which leaves the margins to this function.
@@ -69,25 +78,32 @@ impl Padded {
     #[inline(always)]
     pub(super) fn line(&self, plane: usize, row: isize) -> &[f32] {
         let at = (about_outermost(row, self.rows) % self.kept * 3 + plane) * self.stride;
-        self.data.get(at..at + self.stride).unwrap_or(&[])
+        Register::flat(self.data.get(at..at + self.stride).unwrap_or(&[]))
     }
 
-    /// Writes a row of the picture averaged over the neighbours of a step, without those whose colours differ.
-    fn smooth(&self, scale: usize, row: usize, noise: [f32; 3], planes: [&mut [f32]; 3]) {
-        dispatch(Smoothing {
-            of: self,
-            row,
-            step: STEPS[scale],
-            tolerance: TOLERANCES[scale],
-            noise,
-            planes,
-        });
+    /// Writes a row of the picture that follows this one: smoothed, or every second column.
+    fn next(&self, index: usize, row: usize, noise: [f32; 3], planes: [&mut [f32]; 3]) {
+        match STEPS[index] {
+            0 => dispatch(EverySecond { of: self, row: 2 * row, planes }),
+            1 => self.smooth::<1>(index, row, noise, planes),
+            2 => self.smooth::<2>(index, row, noise, planes),
+            4 => self.smooth::<4>(index, row, noise, planes),
+            _ => self.smooth::<8>(index, row, noise, planes),
+        }
+    }
+
+    /// Writes a row averaged over the neighbours of a step, without those whose colours differ.
+    #[inline(always)]
+    fn smooth<const STEP: usize>(&self, index: usize, row: usize, noise: [f32; 3], planes: [&mut [f32]; 3]) {
+        let squared = 4.0 * TOLERANCES[index] * TOLERANCES[index];
+        dispatch(Smoothing::<STEP> { of: self, row, squares: noise.map(|v| squared * v), planes });
     }
 }
 
 /// Writes the three planes of a row and mirrors them in their margins.
 #[inline(always)]
-fn with_margins(line: &mut [f32], cols: usize, write: impl FnOnce([&mut [f32]; 3])) {
+fn with_margins(line: &mut [Register<f32, LANES>], cols: usize, write: impl FnOnce([&mut [f32]; 3])) {
+    let line = Register::flat_mut(line);
     let stride = line.len() / 3;
     let (x, rest) = line.split_at_mut(stride);
     let (y, z) = rest.split_at_mut(stride);
@@ -108,40 +124,73 @@ pub(super) fn copy_row(from: [&[f32]; 3], to: [&mut [f32]; 3]) {
     }
 }
 
-/// The picture, then its smooth versions, the finest first.
-pub(super) struct Stages(pub(super) [Padded; 1 + SCALES]);
+/// The picture, its fine smooth versions, every second pixel of the last, and the coarse smooth versions.
+pub(super) struct Stages([Padded; PICTURES]);
 
 /// The coefficients of what is tolerated, from those of 1, Y and Y² in the variance of the noise of a sample.
 fn tolerated([v0, v1, v2]: [f32; 3]) -> [f32; 3] {
     [v0, v1, v2 + CONTRAST * CONTRAST]
 }
 
+/// Size of a picture.
+fn size_of(index: usize, [rows, cols]: [usize; 2]) -> [usize; 2] {
+    if index < HALF { [rows, cols] } else { [rows.div_ceil(2), cols.div_ceil(2)] }
+}
+
 impl Stages {
-    /// All rows of all stages. `noise` has the coefficients of 1, Y and Y² in the variance of the noise of a sample.
+    /// All rows of all pictures. `noise` has the coefficients of 1, Y and Y² in the variance of the noise of a sample.
     pub(super) fn of(planes: &Planes, noise: [f32; 3]) -> Self {
-        let (rows, cols, noise) = (planes.rows(), planes.cols(), tolerated(noise));
-        let mut stages: [Padded; 1 + SCALES] = std::array::from_fn(|_| Padded::keeping(0, 0, 0));
-        stages[0] = Padded::whole(rows, cols, |row, out| {
+        let (size, noise) = ([planes.rows(), planes.cols()], tolerated(noise));
+        let mut all: [Padded; PICTURES] = std::array::from_fn(|_| Padded::keeping(0, 0, 0));
+        all[0] = Padded::whole(size[0], size[1], |row, out| {
             let line = |plane: usize| {
-                planes.data().get((plane * rows + row) * cols..).and_then(|l| l.get(..cols)).unwrap_or(&[])
+                let at = (plane * size[0] + row) * size[1];
+                planes.data().get(at..at + size[1]).unwrap_or(&[])
             };
             copy_row([0, 1, 2].map(line), out);
         });
-        for scale in 0..SCALES {
-            let from = &stages[scale];
-            stages[scale + 1] = Padded::whole(rows, cols, |row, out| from.smooth(scale, row, noise, out));
+        for index in 1..PICTURES {
+            let ([rows, cols], from) = (size_of(index, size), &all[index - 1]);
+            all[index] = Padded::whole(rows, cols, |row, out| from.next(index, row, noise, out));
         }
-        Self(stages)
+        Self(all)
+    }
+
+    /// The picture.
+    #[inline(always)]
+    pub(super) fn picture(&self) -> &Padded {
+        &self.0[0]
+    }
+
+    /// A smooth picture, the finest first. From [`FINE`] on, it has every second row and column.
+    #[inline(always)]
+    pub(super) fn smooth(&self, scale: usize) -> &Padded {
+        &self.0[if scale < FINE { 1 + scale } else { 2 + scale }]
     }
 }
 
-/// Rows of every stage beyond the outputs that depend on them: those of the picture on the sum of all steps, those of the last stage on none.
-const BEYOND: [usize; 1 + SCALES] = {
-    let mut beyond = [0; 1 + SCALES];
-    let mut scale = SCALES;
-    while scale > 0 {
-        scale -= 1;
-        beyond[scale] = beyond[scale + 1] + STEPS[scale];
+/// The rows of every picture on which outputs depend; those of the coarse pictures begin with the one that the first output reads. Rows
+/// beyond the picture count.
+fn needed(outputs: Range<isize>) -> [Range<isize>; PICTURES] {
+    let mut all = std::array::from_fn(|_| 0..0);
+    let mut rows = outputs.start.div_euclid(2)..(outputs.end + 1).div_euclid(2);
+    for (index, step) in STEPS.into_iter().enumerate().rev() {
+        all[index] = rows.clone();
+        let step = step as isize;
+        rows =
+            if index == HALF { 2 * rows.start..2 * rows.end - 1 } else { rows.start - step..rows.end + step };
+    }
+    all
+}
+
+/// Rows of every picture, in its own rows, beyond the outputs that depend on them, for outputs from an even row on.
+const BEYOND: [usize; PICTURES] = {
+    let mut beyond = [0; PICTURES];
+    let mut index = PICTURES - 1;
+    while index > 0 {
+        let own = beyond[index];
+        beyond[index - 1] = if index == HALF { 2 * own } else { own + STEPS[index] };
+        index -= 1;
     }
     beyond
 };
@@ -153,9 +202,9 @@ pub(super) struct RollingStages {
     pub(super) stages: Stages,
     noise: [f32; 3],
     /// The first row of the strip.
-    first: usize,
-    /// The rows of every stage below this one are ready.
-    ready: [usize; 1 + SCALES],
+    first: isize,
+    /// The rows of every picture below this one are ready.
+    ready: [usize; PICTURES],
     /// Outputs up to this row can be computed; below the first of the strip while the stages begin.
     end: isize,
 }
@@ -164,108 +213,178 @@ impl RollingStages {
     /// Outputs that are made ready at once.
     pub(super) const ROWS: usize = 8;
 
-    /// For outputs from a row on, of a picture of `rows` × `cols`.
+    /// For outputs from an even row on, of a picture of `rows` × `cols`.
     pub(super) fn new(first: usize, rows: usize, cols: usize, noise: [f32; 3]) -> Self {
-        let kept = |stage: usize| {
-            // What the next stage reads, and what classes and products read.
-            let next = STEPS.get(stage).map_or(0, |step| 2 * step);
-            Self::ROWS + next.max(BEYOND[stage] + MARGIN_OF_CLASSES)
+        let padded = |index: usize| {
+            // What the next picture reads, and what classes and products read.
+            let next = STEPS.get(index + 1).map_or(0, |step| 2 * step);
+            let [rows, cols] = size_of(index, [rows, cols]);
+            Padded::keeping(Self::ROWS + next.max(BEYOND[index] + AROUND), rows, cols)
         };
+        let first = first as isize;
         Self {
-            stages: Stages(std::array::from_fn(|stage| Padded::keeping(kept(stage), rows, cols))),
+            stages: Stages(std::array::from_fn(padded)),
             noise: tolerated(noise),
             first,
-            ready: BEYOND.map(|beyond| first.saturating_sub(beyond)),
-            end: first as isize - 2 * ROWS_BEYOND as isize,
+            ready: needed(first..first).map(|rows| rows.start.max(0) as usize),
+            end: first - 2 * ROWS_BEYOND as isize,
         }
     }
 
     /// Makes the stages ready for the outputs below `end`, at most [`Self::ROWS`] beyond those before. `source(row, planes)` writes a row of the picture.
     pub(super) fn advance(&mut self, end: usize, source: impl Fn(usize, [&mut [f32]; 3])) {
-        // The first stages begin earlier, a few rows at a time as well.
+        // The first pictures begin earlier, a few rows at a time as well.
         while self.end < end as isize {
-            let goal = if self.end < self.first as isize { self.first } else { end } as isize;
+            let goal = if self.end < self.first { self.first } else { end as isize };
             self.end = (self.end + Self::ROWS as isize).min(goal);
-            for (stage, beyond) in BEYOND.into_iter().enumerate() {
-                let (before, after) = self.stages.0.split_at_mut(stage);
+            for (index, rows) in needed(self.end..self.end).into_iter().enumerate() {
+                let (before, after) = self.stages.0.split_at_mut(index);
                 let Some(padded) = after.first_mut() else { return };
-                let until = (self.end + beyond as isize).clamp(0, padded.rows as isize) as usize;
-                for row in self.ready[stage]..until {
+                let until = rows.end.clamp(0, padded.rows as isize) as usize;
+                for row in self.ready[index]..until {
                     padded.write(row, |planes| match before.last() {
                         None => source(row, planes),
-                        Some(finer) => finer.smooth(stage - 1, row, self.noise, planes),
+                        Some(before) => before.next(index, row, self.noise, planes),
                     });
                 }
-                self.ready[stage] = self.ready[stage].max(until);
+                self.ready[index] = self.ready[index].max(until);
             }
         }
     }
 }
 
-/// One row of a smoothing: weights of a 3 × 3 binomial filter times (1 − d)², where d is the squared difference of the colours
-/// relative to four times the tolerated variance, at most 1.
-struct Smoothing<'a> {
+/// Every second column of a row, from the first on.
+struct EverySecond<'a> {
     of: &'a Padded,
     row: usize,
-    step: usize,
-    tolerance: f32,
-    noise: [f32; 3],
     planes: [&'a mut [f32]; 3],
 }
 
-impl Kernel for Smoothing<'_> {
+impl Kernel for EverySecond<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
-        const BINOMIAL: [f32; 3] = [1.0, 2.0, 1.0];
-        let Self { of, row, step, tolerance, noise: [v0, v1, v2], mut planes } = self;
-        let lines: [[&[f32]; 3]; 3] = std::array::from_fn(|down| {
-            let at = row as isize + (down as isize - 1) * step as isize;
-            std::array::from_fn(|plane| of.line(plane, at))
-        });
-        let share = 1.0 / (4.0 * tolerance * tolerance);
-        for first in (0..of.cols).step_by(WIDTH) {
-            let at = |right: usize| first + MARGIN + right * step - step;
-            let load = |plane: usize, down: usize, right: usize| {
-                values::<f32, WIDTH>(lines[down][plane], at(right)).unwrap_or(&[0.0; WIDTH])
-            };
-            let centre = [0, 1, 2].map(|plane| *load(plane, 1, 1));
-            let mut scale = [0.0; WIDTH];
-            for i in 0..WIDTH {
-                let y = if centre[1][i] > 0.0 { centre[1][i] } else { 0.0 };
-                scale[i] = share / (v0 + (v1 + v2 * y) * y);
+        for (plane, out) in self.planes.into_iter().enumerate() {
+            let pairs = self.of.line(plane, self.row as isize)[MARGIN..].as_chunks::<2>().0;
+            out[MARGIN..].iter_mut().zip(pairs).for_each(|(out, [first, _])| *out = *first);
+        }
+    }
+}
+
+/// One row of a smoothing: weights of a 3 × 3 binomial filter times (s − d)², where d is the squared difference of the colours, in which X
+/// and Z count half, and s is four times the variance that is tolerated. Colours that differ by more do not count.
+struct Smoothing<'a, const STEP: usize> {
+    of: &'a Padded,
+    row: usize,
+    /// Coefficients of 1, Y and Y² in s.
+    squares: [f32; 3],
+    planes: [&'a mut [f32]; 3],
+}
+
+type Vector = [f32; LANES];
+
+/// The three vectors of neighbours in a line: to the left, in the middle, to the right.
+#[inline(always)]
+fn neighbours<const STEP: usize>(line: &[f32], at: usize) -> Option<[&Vector; 3]> {
+    let line = line.get(at - STEP..at + STEP + LANES)?;
+    Some([line.first_chunk()?, line.get(STEP..)?.first_chunk()?, line.last_chunk()?])
+}
+
+/// Weighted sums of colours.
+struct Sums {
+    weights: Vector,
+    colours: [Vector; 3],
+}
+
+impl Sums {
+    /// Adds a neighbour, whose planes are given, `TIMES` times; `most` is what its squared difference to the centre may be.
+    #[inline(always)]
+    fn add<const TIMES: u8>(&mut self, other: [&Vector; 3], centre: [&Vector; 3], most: &Vector) {
+        for i in 0..LANES {
+            let [x, y, z] = std::array::from_fn(|plane| other[plane][i] - centre[plane][i]);
+            let squares = y * y;
+            let left = most[i] - (x * x + z * z + (squares + squares));
+            let left = if left > 0.0 { left } else { 0.0 };
+            let weight = f32::from(TIMES) * left * left;
+            self.weights[i] += weight;
+            for plane in 0..3 {
+                self.colours[plane][i] += weight * other[plane][i];
             }
-            let mut sums = centre.map(|c| c.map(|v| 4.0 * v));
-            let mut total = [4.0; WIDTH];
-            for (down, vertical) in BINOMIAL.into_iter().enumerate() {
-                for (right, horizontal) in BINOMIAL.into_iter().enumerate() {
-                    if down == 1 && right == 1 {
-                        continue;
-                    }
-                    let other = [0, 1, 2].map(|plane| load(plane, down, right));
-                    let binomial = vertical * horizontal;
-                    for i in 0..WIDTH {
-                        let mut difference = 0.0;
-                        for plane in 0..3 {
-                            let d = other[plane][i] - centre[plane][i];
-                            difference += WEIGHTS[plane] * d * d;
-                        }
-                        let left = 1.0 - difference * scale[i];
-                        let left = if left > 0.0 { left } else { 0.0 };
-                        let weight = binomial * left * left;
-                        total[i] += weight;
-                        for plane in 0..3 {
-                            sums[plane][i] += weight * other[plane][i];
-                        }
-                    }
+        }
+    }
+}
+
+impl<const STEP: usize> Smoothing<'_, STEP> {
+    /// The sums of the pixels from a column of the lines on. `None` where they end.
+    #[inline(always)]
+    fn sums(&self, lines: &[[&[f32]; 3]; 3], at: usize) -> Option<Sums> {
+        let [[xa, ya, za], [xh, yh, zh], [xb, yb, zb]] = *lines;
+        let [xa, ya, za] =
+            [neighbours::<STEP>(xa, at)?, neighbours::<STEP>(ya, at)?, neighbours::<STEP>(za, at)?];
+        let [xh, yh, zh] =
+            [neighbours::<STEP>(xh, at)?, neighbours::<STEP>(yh, at)?, neighbours::<STEP>(zh, at)?];
+        let [xb, yb, zb] =
+            [neighbours::<STEP>(xb, at)?, neighbours::<STEP>(yb, at)?, neighbours::<STEP>(zb, at)?];
+        let centre = [xh[1], yh[1], zh[1]];
+        let [s0, s1, s2] = self.squares;
+        let mut most = [0.0; LANES];
+        for i in 0..LANES {
+            let y = if yh[1][i] > 0.0 { yh[1][i] } else { 0.0 };
+            let square = s0 + (s1 + s2 * y) * y;
+            let square = if square > SQUARES[0] { square } else { SQUARES[0] };
+            most[i] = 2.0 * if square < SQUARES[1] { square } else { SQUARES[1] };
+        }
+        let mut sums = Sums { weights: [0.0; LANES], colours: [[0.0; LANES]; 3] };
+        for i in 0..LANES {
+            sums.weights[i] = 4.0 * most[i] * most[i];
+        }
+        for (sum, centre) in sums.colours.iter_mut().zip(centre) {
+            for i in 0..LANES {
+                sum[i] = sums.weights[i] * centre[i];
+            }
+        }
+        sums.add::<2>([xa[1], ya[1], za[1]], centre, &most);
+        sums.add::<2>([xh[0], yh[0], zh[0]], centre, &most);
+        sums.add::<2>([xh[2], yh[2], zh[2]], centre, &most);
+        sums.add::<2>([xb[1], yb[1], zb[1]], centre, &most);
+        sums.add::<1>([xa[0], ya[0], za[0]], centre, &most);
+        sums.add::<1>([xa[2], ya[2], za[2]], centre, &most);
+        sums.add::<1>([xb[0], yb[0], zb[0]], centre, &most);
+        sums.add::<1>([xb[2], yb[2], zb[2]], centre, &most);
+        Some(sums)
+    }
+}
+
+impl<const STEP: usize> Kernel for Smoothing<'_, STEP> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(mut self) {
+        let mut lines = [[&[] as &[f32]; 3]; 3];
+        for (down, lines) in lines.iter_mut().enumerate() {
+            let at = self.row as isize + (down as isize - 1) * STEP as isize;
+            for (plane, line) in lines.iter_mut().enumerate() {
+                *line = self.of.line(plane, at);
+            }
+        }
+        // The sums of a block are divided in loops of their own: divided at once, they would be scalars.
+        let (mut weights, mut colours) = ([0.0; BLOCK], [[0.0; BLOCK]; 3]);
+        for first in (MARGIN..MARGIN + self.of.cols).step_by(BLOCK) {
+            for at in (0..BLOCK).step_by(LANES) {
+                let Some(sums) = self.sums(&lines, first + at) else { return };
+                weights[at..at + LANES].copy_from_slice(&sums.weights);
+                for (colour, sums) in colours.iter_mut().zip(&sums.colours) {
+                    colour[at..at + LANES].copy_from_slice(sums);
                 }
             }
-            for (sum, plane) in sums.iter().zip(&mut planes) {
-                if let Some(out) = values_mut::<f32, WIDTH>(plane, first + MARGIN) {
-                    for i in 0..WIDTH {
-                        out[i] = sum[i] / total[i];
-                    }
+            for weight in &mut weights {
+                *weight = 1.0 / *weight;
+            }
+            for (plane, colour) in self.planes.iter_mut().zip(&colours) {
+                let Some(out) = values_mut::<f32, BLOCK>(plane, first) else { return };
+                for i in 0..BLOCK {
+                    out[i] = colour[i] * weights[i];
                 }
             }
         }

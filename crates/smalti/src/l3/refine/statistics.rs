@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::super::error::ensure_finite;
 use super::super::solve::{Solution, regularised};
-use super::super::{L3Error, Moments};
+use super::super::{L3Error, Moments, blocks};
 use super::axes::RefinementAxes;
 use super::classes::{Scratch, classify};
 use super::inputs::{COUNT, Lines, OWN};
@@ -17,7 +17,7 @@ use crate::numeric::products::{LANES, add_products};
 use crate::numeric::simd::{Kernel, dispatch};
 
 /// Raised when learning the second stage gives other kernels for equal pictures: stages that were kept under another revision are not used.
-pub const REFINEMENT_REVISION: u32 = 2;
+pub const REFINEMENT_REVISION: u32 = 3;
 
 /// Length of z = (1, inputs, targets), in whole registers.
 const STRIDE: usize = (1 + COUNT + OUTPUTS).next_multiple_of(LANES);
@@ -79,10 +79,12 @@ impl RefinementStatistics {
         let (mut scratch, mut classes) = (Scratch::default(), Vec::new());
         for first in (0..size[0]).step_by(BAND_ROWS) {
             let rows = first..(first + BAND_ROWS).min(size[0]);
-            classify(&self.axes, &stages.0[1], rows.clone(), size[1], &mut scratch, &mut classes);
+            classify(&self.axes, stages.smooth(0), rows.clone(), size[1], &mut scratch, &mut classes);
             let mut members: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
-            for (pixel, class) in (0..).zip(&classes) {
-                members.entry(*class).or_default().push((rows.start * size[1]) as u32 + pixel);
+            for (row, classes) in rows.zip(classes.chunks_exact(size[1].next_multiple_of(blocks::LANES))) {
+                for (col, class) in classes[..size[1]].iter().enumerate() {
+                    members.entry(*class).or_default().push((row * size[1] + col) as u32);
+                }
             }
             for class in members.keys() {
                 self.classes.entry(*class).or_insert_with(|| Moments::new(COUNT, OUTPUTS));
@@ -178,7 +180,7 @@ impl Kernel for Sums<'_> {
         let cols = self.target.cols();
         let mut sums = vec![0.0; STRIDE * STRIDE];
         let mut batch = vec![0.0f64; BATCH * STRIDE];
-        let mut inputs = [0.0f32; STRIDE + 2 * LANES];
+        let mut inputs = [0.0f32; COUNT];
         // Pixels ascend, so that neighbours in the list mostly share their row.
         let (mut read, mut lines) = (0, Lines::of(self.stages, 0));
         for pixels in self.pixels.chunks(BATCH) {

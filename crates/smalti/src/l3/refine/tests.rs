@@ -1,6 +1,7 @@
 use super::classes::{Scratch, classify};
-use super::stages::Stages;
+use super::stages::{FINE, Stages};
 use super::*;
+use crate::l3::blocks::LANES;
 use crate::l3::{L3Error, Levels};
 use crate::numeric::Planes;
 use crate::numeric::philox::Stream;
@@ -55,19 +56,21 @@ fn learned(seeds: std::ops::Range<u64>) -> RefinementStatistics {
 #[test]
 fn smoothing_removes_noise_and_keeps_edges() {
     let edge = planes(96, 96, |_, _, c| if c < 48 { 0.1 } else { 0.6 });
-    let Stages(stages) = Stages::of(&noisy(&edge, 5), axes().noise());
+    let stages = Stages::of(&noisy(&edge, 5), axes().noise());
+    // Columns 47 and 48 are on both sides of the edge, and those before and after it in a coarse picture.
     let variance = |stage: usize| {
+        let side = if stage > FINE { 48 } else { 96 };
         let mut sum = 0.0;
-        for r in 0..96 {
-            let line = &stages[stage].line(1, r)[super::stages::MARGIN..][..96];
-            // Columns 47 and 48 are on both sides of the edge.
+        for r in 0..side {
+            let picture = stage.checked_sub(1).map_or(stages.picture(), |scale| stages.smooth(scale));
+            let line = &picture.line(1, r as isize)[super::stages::MARGIN..][..side];
             sum += line
                 .iter()
                 .enumerate()
-                .map(|(c, v)| (v - if c < 48 { 0.1 } else { 0.6 }).powi(2))
+                .map(|(c, v)| (v - if c < side / 2 { 0.1 } else { 0.6 }).powi(2))
                 .sum::<f32>();
         }
-        f64::from(sum) / (96.0 * 96.0)
+        f64::from(sum) / (side * side) as f64
     };
     let before = f64::from(SIGMA * SIGMA);
     assert!((variance(0) / before - 1.0).abs() < 0.05, "{}", variance(0) / before);
@@ -93,8 +96,9 @@ fn edges_are_told_by_orientation_and_strength() {
     let class_by = |axes: &RefinementAxes, picture: &Planes, at: [usize; 2]| {
         let (mut scratch, mut classes) = (Scratch::default(), Vec::new());
         let stages = Stages::of(picture, axes.noise());
-        classify(axes, &stages.0[1], 0..picture.rows(), picture.cols(), &mut scratch, &mut classes);
-        axes.structure_name(classes[at[0] * picture.cols() + at[1]] as usize % axes.structures())
+        classify(axes, stages.smooth(0), 0..picture.rows(), picture.cols(), &mut scratch, &mut classes);
+        let row = picture.cols().next_multiple_of(LANES);
+        axes.structure_name(classes[at[0] * row + at[1]] as usize % axes.structures())
     };
     let class = |picture: &Planes, at: [usize; 2]| class_by(&axes(), picture, at);
     let step = |height: f32, side: fn(usize, usize) -> bool| {

@@ -5,10 +5,10 @@ use super::table::{Run, Sample, registers_of};
 use crate::numeric::simd::Kernel;
 
 /// Pixels per iteration of the inner loops.
-pub(super) const PIXELS: usize = 16;
+pub(in super::super) const PIXELS: usize = 16;
 
 /// `out[x * lines + i] = lines[i][x]` for `columns` columns; zero beyond the end of a line.
-pub(super) fn interleave<S: Sample>(lines: &[&[S]], columns: usize, out: &mut Vec<S>) {
+pub(in super::super) fn interleave<S: Sample>(lines: &[&[S]], columns: usize, out: &mut Vec<S>) {
     out.clear();
     out.resize(columns * lines.len(), S::default());
     for (i, line) in lines.iter().enumerate() {
@@ -22,7 +22,7 @@ pub(super) struct Float<'r, 'a, 'p, 'q>(pub(super) &'r Run<'a, f32>, pub(super) 
 
 /// The sum of sixteen partial sums by a fixed binary tree, which vectors of pixels can evaluate together.
 #[inline(always)]
-fn tree(p: &[f32; 16]) -> f32 {
+pub(in super::super) fn tree(p: &[f32; 16]) -> f32 {
     let four = |i: usize| (p[i] + p[i + 2]) + (p[i + 1] + p[i + 3]);
     (four(0) + four(4)) + (four(8) + four(12))
 }

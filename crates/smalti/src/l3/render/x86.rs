@@ -43,16 +43,22 @@ in_groups!(all_i16, group_i16, i16);
 
 /// Proof that the processor has AVX-512 with 16-bit instructions. Only [`Avx512::detect`] constructs it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Avx512(());
+pub(in super::super) struct Avx512(());
 
 impl Avx512 {
-    pub(super) fn detect() -> Option<Self> {
+    pub(in super::super) fn detect() -> Option<Self> {
         has_avx512().then_some(Self(()))
     }
 
-    pub(super) fn interleave_f32(self, lines: &[&[f32]], columns: usize, out: &mut Vec<f32>) {
+    /// Any number of lines up to 11.
+    pub(in super::super) fn interleave_f32(self, lines: &[&[f32]], columns: usize, out: &mut Vec<f32>) {
         // SAFETY: a value of this type proves that the processor has the features.
-        unsafe { for_side!(lines.len(), interleave_f32(lines, columns, out)) }
+        unsafe {
+            match lines.len() {
+                6 => interleave_f32::<6>(lines, columns, out),
+                side => for_side!(side, interleave_f32(lines, columns, out)),
+            }
+        }
     }
 
     pub(super) fn interleave_i16(self, lines: &[&[i16]], columns: usize, out: &mut Vec<i16>) {
@@ -149,7 +155,7 @@ fn interleave_i16<const P: usize>(lines: &[&[i16]], columns: usize, out: &mut Ve
 /// Four lane sums: each quarter of the result holds one number per vector.
 #[inline]
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
-fn quarters_f32([a, b, c, d]: [__m512; 4]) -> __m512 {
+pub(in super::super) fn quarters_f32([a, b, c, d]: [__m512; 4]) -> __m512 {
     let ab = _mm512_add_ps(_mm512_unpacklo_ps(a, b), _mm512_unpackhi_ps(a, b));
     let cd = _mm512_add_ps(_mm512_unpacklo_ps(c, d), _mm512_unpackhi_ps(c, d));
     let (ab, cd) = (_mm512_castps_pd(ab), _mm512_castps_pd(cd));
@@ -160,7 +166,7 @@ fn quarters_f32([a, b, c, d]: [__m512; 4]) -> __m512 {
 /// The sums of the quarters of four vectors, concatenated.
 #[inline]
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
-fn whole_f32([a, b, c, d]: [__m512; 4]) -> __m512 {
+pub(in super::super) fn whole_f32([a, b, c, d]: [__m512; 4]) -> __m512 {
     let ab = _mm512_add_ps(_mm512_shuffle_f32x4::<0x88>(a, b), _mm512_shuffle_f32x4::<0xdd>(a, b));
     let cd = _mm512_add_ps(_mm512_shuffle_f32x4::<0x88>(c, d), _mm512_shuffle_f32x4::<0xdd>(c, d));
     _mm512_add_ps(_mm512_shuffle_f32x4::<0x88>(ab, cd), _mm512_shuffle_f32x4::<0xdd>(ab, cd))
@@ -185,7 +191,7 @@ fn whole_i32([a, b, c, d]: [__m512i; 4]) -> __m512i {
 /// Writes the values of sixteen pixels, or of the remaining pixels of the row.
 #[inline]
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
-fn store(out: &mut [f32], values: __m512) {
+pub(in super::super) fn store(out: &mut [f32], values: __m512) {
     let lanes = if out.len() >= PIXELS { u16::MAX } else { (1u16 << out.len()) - 1 };
     // SAFETY: the lanes that are written are within `out`.
     unsafe { _mm512_mask_storeu_ps(out.as_mut_ptr(), lanes, values) };
