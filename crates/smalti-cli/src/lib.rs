@@ -18,6 +18,7 @@ mod numbers;
 mod output;
 mod pairs;
 mod progress;
+mod raw_args;
 mod render;
 mod report;
 mod resolve;
@@ -34,6 +35,7 @@ use std::ffi::OsString;
 use clap::{CommandFactory, Parser};
 use cli::{Cli, Command};
 use output::print;
+use raw_args::naming_the_option;
 use smalti_io::{IoError, UnstatedProperty};
 use smalti_report::in_one_line;
 
@@ -74,8 +76,8 @@ fn run(cli: Cli, words: &[String]) -> anyhow::Result<()> {
     }
     match cli.command {
         Command::Compare(a) => compare::run(&a, words, &cli.common),
-        Command::Train(a) => train::run(&a, &cli.common),
-        Command::Render(a) => render::run(&a, &cli.common),
+        Command::Train(a) => train::run(&a, &cli.common).map_err(naming_the_option),
+        Command::Render(a) => render::run(&a, &cli.common).map_err(naming_the_option),
         Command::Simulate(a) => simulate::run(&a, &cli.common),
         Command::Evaluate(a) => evaluate::run(&a, words, &cli.common),
         Command::Sweep(a) => sweep::run(&a, &cli.common),

@@ -1,10 +1,15 @@
 //! Pairs of a raw file and its target picture.
 
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use serde_json::json;
 use smalti::experiment::{PairAlignment, Progress, RawAndPicture, TrainingPair};
-use smalti_io::{Limits, ReadOptions, dng, picture};
+use smalti::sensor::SignalNoise;
+use smalti_io::dng::Dng;
+use smalti_io::{ReadOptions, picture};
+
+use crate::raw_args::RawOptions;
 
 /// The alignment of a pair.
 pub(crate) struct Report<'a> {
@@ -13,24 +18,59 @@ pub(crate) struct Report<'a> {
     alignment: &'a PairAlignment,
 }
 
-/// A pair of files, which are read when its turn comes.
+/// Noise that differs from the camera's by more than this factor is told.
+const NOTABLE_NOISE: f64 = 1.5;
+/// The sample at which noise is compared.
+const TENTH: f64 = 0.1;
+
+/// A pair of files, which are read when their turn comes. `noise` is that of the camera's samples.
 pub(crate) fn pair<'a>(
-    raw: &'a Path,
-    target: &'a Path,
+    [raw, target]: [&'a Path; 2],
+    options: &'a RawOptions,
     align: bool,
+    noise: SignalNoise,
     progress: &'a dyn Progress,
 ) -> TrainingPair<'a, anyhow::Error> {
+    // A pair is read several times.
+    let told = AtomicBool::new(false);
     let read = move || {
-        let dng = dng::read(raw, Limits::default())?;
-        for note in &dng.notes {
-            progress.note(&format!("{}: {note}", raw.display()));
+        let is_first = !told.swap(true, Ordering::Relaxed);
+        let note = |text: &str| {
+            if is_first {
+                progress.note(text)
+            }
+        };
+        let Dng { raw: image, default_crop, orientation, noise: stated, .. } = options.read(raw, note)?;
+        if let Some(text) = stated.and_then(|stated| noise_note(stated, &noise)) {
+            note(&format!("{}: {text}", raw.display()));
         }
-        let picture = picture::read(target, &ReadOptions::default())?.image;
-        let default_crop = dng.default_crop.map(|c| (c.rows, c.cols));
-        Ok(RawAndPicture { raw: dng.raw, default_crop, picture })
+        let picture = picture::read(target, &ReadOptions::default())?;
+        // Some cameras turn the samples of the picture and state no orientation for it, others state that of the raw file.
+        let picture = match picture.orientation == orientation {
+            true => picture.image,
+            false => orientation.inverse().apply(picture.orientation.apply(picture.image)),
+        };
+        let default_crop = default_crop.map(|c| (c.rows, c.cols));
+        Ok(RawAndPicture { raw: image, default_crop, picture })
     };
     let name = format!("{} and {}", raw.display(), target.display());
     TrainingPair { name, align, read: Box::new(read) }
+}
+
+/// The noise that a raw file states, variance `per_signal` · x + `constant` of a sample x, where that of the camera differs much.
+fn noise_note([per_signal, constant]: [f64; 2], camera: &SignalNoise) -> Option<String> {
+    let [stated, own] = [per_signal * TENTH + constant, camera.variance(TENTH)].map(f64::sqrt);
+    let differs = !(1.0 / NOTABLE_NOISE..=NOTABLE_NOISE).contains(&(stated / own));
+    (per_signal > 0.0 && differs).then(|| {
+        format!(
+            "NoiseProfile states a standard deviation of {:.2} % of the range at a tenth of it, the camera has {:.2} %. Classes depend on the \
+             noise: expected a camera with a full well of {:.0} electrons and a read noise of {:.1} electrons",
+            100.0 * stated,
+            100.0 * own,
+            1.0 / per_signal,
+            constant.sqrt() / per_signal,
+        )
+    })
 }
 
 impl<'a> From<(&'a [PathBuf], &'a PairAlignment)> for Report<'a> {

@@ -7,12 +7,14 @@ use clap::Args;
 use serde_json::json;
 use smalti::color::{ColorSpace, Image};
 use smalti::l3::{Pipeline, Rendered};
+use smalti_io::dng::{self, Crop, Dng, DngPicture};
 use smalti_io::picture::{self, Depth};
-use smalti_io::{Limits, dng, l3, npy};
+use smalti_io::{Orientation, l3, npy};
 
 use crate::args::Common;
 use crate::numbers::positive;
 use crate::progress::Progress;
+use crate::raw_args::RawOptions;
 use crate::resolve::has_extension;
 use smalti::experiment::Progress as _;
 
@@ -28,8 +30,8 @@ pub(crate) struct Render {
     /// A learned table (smalti train)
     #[arg(long, value_name = "FILE.l3")]
     pub(crate) pipeline: PathBuf,
-    /// .png or .tif (sRGB for a display), .dng (linear, 16 bits, before white balance and tone curve, for a raw developer) or .npy (the
-    /// unscaled outputs X, Y, Z, where a white diffuser has at most Y = 1)
+    /// .png or .tif (sRGB for a display, upright), .dng (linear, 16 bits, before white balance and tone curve, for a raw developer) or .npy
+    /// (the unscaled outputs X, Y, Z, where a white diffuser has at most Y = 1, in rows and columns of the sensor)
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: PathBuf,
     /// Compute in fixed point with 16-bit kernels, as an image signal processor does; needs digital numbers in the raw file
@@ -41,6 +43,8 @@ pub(crate) struct Render {
     /// Bits per channel of a .png or .tif
     #[arg(long, default_value = "8", value_parser = ["8", "16"])]
     pub(crate) bits: String,
+    #[command(flatten)]
+    pub(crate) raw_options: RawOptions,
     /// Print a summary as JSON
     #[arg(long)]
     pub(crate) json: bool,
@@ -53,10 +57,10 @@ pub(crate) fn run(args: &Render, common: &Common) -> anyhow::Result<()> {
     let progress = Progress::new(3, common.quiet);
     progress.begin("reading");
     let pipeline = l3::read_table(&args.pipeline)?;
-    let dng = dng::read(&args.raw, Limits::default())?;
-    dng.notes.iter().for_each(|note| progress.note(&format!("{}: {note}", args.raw.display())));
+    let Dng { raw, orientation, default_crop, .. } =
+        args.raw_options.read(&args.raw, |text| progress.note(text))?;
     // A raw file may list its channels in another order than the pipeline; names identify them.
-    let raw = dng.raw.with_channels(pipeline.channel_names());
+    let raw = raw.with_channels(pipeline.channel_names());
     progress.done();
     progress.begin("rendering");
     let about = || format!("{} with {}", args.raw.display(), args.pipeline.display());
@@ -64,7 +68,7 @@ pub(crate) fn run(args: &Render, common: &Common) -> anyhow::Result<()> {
     let rendered = rendered.with_context(about)?;
     progress.done();
     progress.begin("writing");
-    write(args, &pipeline, &rendered)?;
+    write(args, &pipeline, &rendered, (orientation, default_crop))?;
     progress.finish();
     let outside = &rendered.outside;
     if args.json {
@@ -94,7 +98,13 @@ pub(crate) fn run(args: &Render, common: &Common) -> anyhow::Result<()> {
     crate::print(&format!("{}\n", args.output.display()))
 }
 
-fn write(args: &Render, pipeline: &Pipeline, rendered: &Rendered) -> anyhow::Result<()> {
+/// Writes the picture with the orientation and the part to be shown that the raw file states.
+fn write(
+    args: &Render,
+    pipeline: &Pipeline,
+    rendered: &Rendered,
+    (orientation, default_crop): (Orientation, Option<Crop>),
+) -> anyhow::Result<()> {
     if has_extension(&args.output, &["npy"]) {
         let p = &rendered.planes;
         return Ok(npy::write(&args.output, &[p.count(), p.rows(), p.cols()], p.data())?);
@@ -110,9 +120,11 @@ fn write(args: &Render, pipeline: &Pipeline, rendered: &Rendered) -> anyhow::Res
     let picture = Image::new(ColorSpace::Xyz, rendered.planes.clone())?;
     let gain = args.gain.unwrap_or_else(|| picture.brightness_gain());
     if has_extension(&args.output, &["dng"]) {
-        let model = args.pipeline.file_stem().unwrap_or_default().to_string_lossy();
-        return Ok(dng::write_picture(&args.output, &picture, white, gain, &model)?);
+        let model = args.pipeline.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let stated = DngPicture { white, gain, model, orientation, default_crop };
+        return Ok(dng::write_picture(&args.output, &picture, &stated)?);
     }
     let depth = if args.bits == "16" { Depth::Sixteen } else { Depth::Eight };
-    Ok(picture::write(Path::new(&args.output), &picture.shown(Some(white), gain)?, depth)?)
+    let shown = orientation.apply(picture.shown(Some(white), gain)?);
+    Ok(picture::write(Path::new(&args.output), &shown, depth)?)
 }

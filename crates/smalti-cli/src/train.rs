@@ -16,6 +16,7 @@ use crate::learning_args::LearningOptions;
 use crate::numbers::positive;
 use crate::output::note;
 use crate::progress::Progress;
+use crate::raw_args::RawOptions;
 use crate::scene_args::SceneOptions;
 use crate::{pairs, resolve, table};
 
@@ -63,6 +64,8 @@ pub(crate) struct Train {
     /// Use the pictures of --pair without alignment, pixel by pixel
     #[arg(long, requires = "pairs")]
     pub(crate) no_align: bool,
+    #[command(flatten)]
+    pub(crate) raw_options: RawOptions,
     /// Continue from statistics that --statistics saved; several files are merged
     #[arg(long = "continue", value_name = "FILE")]
     pub(crate) continue_from: Vec<PathBuf>,
@@ -107,6 +110,11 @@ pub(crate) fn run(args: &Train, common: &Common) -> anyhow::Result<()> {
     if training.quality == Quality::Best && settings.target != TrainingTarget::Xyz {
         bail!("--quality best refines pictures in X, Y, Z; expected no --target, or --quality fast");
     }
+    if args.raw_options.raw_cfa.is_some() && args.pairs.is_empty() {
+        bail!(
+            "--raw-cfa states the mosaic of the raw files of --pair; expected --pair, or --cfa for the mosaic of the camera"
+        );
+    }
     let lights = args
         .illuminants
         .iter()
@@ -121,12 +129,15 @@ pub(crate) fn run(args: &Train, common: &Common) -> anyhow::Result<()> {
     }
     let saved = |file: &PathBuf| anyhow::Ok((file.display().to_string(), l3::read_statistics(file)?));
     let progress = Progress::new(0, common.quiet);
-    let pairs = args.pairs.chunks_exact(2);
+    let pairs = args.pairs.chunks_exact(2).map(|files| {
+        let noise = camera.sensor.signal_noise(&camera.nominal_exposure()?)?;
+        anyhow::Ok(pairs::pair([&files[0], &files[1]], &args.raw_options, !args.no_align, noise, &progress))
+    });
     let sources = TrainingSources {
         scenes: scenes(args, &camera, common)?,
         illuminants: lights,
         stored_scenes: args.learning.training_set.stored(),
-        pairs: pairs.map(|pair| pairs::pair(&pair[0], &pair[1], !args.no_align, &progress)).collect(),
+        pairs: pairs.collect::<anyhow::Result<_>>()?,
         saved: args.continue_from.iter().map(saved).collect::<anyhow::Result<_>>()?,
     };
     let Learned { statistics, pipeline, alignments } =

@@ -81,9 +81,16 @@ impl PyRawImage {
     }
 
     /// A raw image from a DNG (uncompressed, lossless JPEG, Deflate or JPEG XL), cropped to its active area.
+    ///
+    /// Args:
+    ///     path: the file.
+    ///     cfa: its mosaic, if the file states none or a wrong one: a name (`smalti.cfas()`), or rows of letters that begin at the first
+    ///         pixel of the active area, such as "GR/BG".
     #[staticmethod]
-    fn read(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
-        let read = watched(py, None, |_| dng::read(&path, Limits::default()).or_raise())?;
+    #[pyo3(signature = (path, *, cfa=None))]
+    fn read(py: Python<'_>, path: PathBuf, cfa: Option<&str>) -> PyResult<Self> {
+        let stated = cfa.map(str::parse).transpose().map_err(|e: String| wrong(format!("cfa: {e}")))?;
+        let read = watched(py, None, |_| dng::read_as(&path, Limits::default(), stated.as_ref()).or_raise())?;
         Ok(Self { raw: read.raw, notes: read.notes, info: Some(read.info) })
     }
 

@@ -221,3 +221,13 @@ def test_raw_files_through_libraw(pattern: str, tmp_path: Path) -> None:
         smalti.read_camera_raw(tmp_path / "no.nef")
     with pytest.raises(FileNotFoundError):
         smalti.read_camera_raw(tmp_path / "absent.nef")
+
+
+def test_a_raw_file_has_the_mosaic_that_is_stated(tmp_path: Path) -> None:
+    raw = smalti.RawImage(np.zeros((8, 8), np.uint16), [[0, 1], [1, 2]], black_level=0, white_level=255, channel_names=["R", "G", "B"])
+    raw.write(tmp_path / "shot.dng")
+    seen = smalti.RawImage.read(tmp_path / "shot.dng", cfa="CR/BC")
+    assert seen.channel_names == ["C", "R", "B"]
+    np.testing.assert_array_equal(seen.tile, [[0, 1], [2, 0]])
+    with pytest.raises(smalti.SmaltiError, match="cfa: .*quad-bayr"):
+        smalti.RawImage.read(tmp_path / "shot.dng", cfa="quad-bayr")

@@ -53,6 +53,7 @@ fn settings_that_cannot_be_learned_with() {
         ("--continue file", 1, &["file"]),
         ("--quality good", 2, &["'good'", "--quality", "fast, best"]),
         ("--quality best --c-header a.h", 1, &["--c-header", "--quality fast"]),
+        ("--raw-cfa xtrans", 1, &["--raw-cfa", "--pair", "--cfa"]),
         ("--quality best --target rgbw", 1, &["--quality best", "X, Y, Z"]),
     ] {
         refused(&place, &format!("{train} {more}"), code, expected);

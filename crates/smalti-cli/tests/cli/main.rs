@@ -3,6 +3,7 @@
 
 mod bad_input;
 mod binning;
+mod camera_dng;
 mod camera_text;
 mod compare;
 mod compare_page;
@@ -16,6 +17,7 @@ mod ir_cut;
 mod learn;
 mod learn_bad;
 mod mosaics;
+mod real_camera;
 mod reference;
 mod shell;
 mod show;

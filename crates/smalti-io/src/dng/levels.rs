@@ -1,4 +1,4 @@
-//! Black levels (DNG 1.4, chapter 5: mapping raw values to linear reference values), and notes on ignored opcodes.
+//! Black levels (DNG 1.4, chapter 5: mapping raw values to linear reference values).
 
 use std::path::Path;
 
@@ -83,21 +83,4 @@ fn numbers(ifd: &Directory, tag: u16, name: &str, path: &Path) -> Result<Option<
         return Err(IoError::field(path, name, "not finite", "numbers"));
     }
     Ok(values)
-}
-
-/// Notes which opcode lists are not carried out.
-pub(super) fn opcode_lists(ifd: &Directory, notes: &mut Vec<String>) {
-    for (tag, name, when) in [
-        (tags::OPCODE_LIST_1, "OpcodeList1", "the samples as stored"),
-        (tags::OPCODE_LIST_2, "OpcodeList2", "the linear raw image"),
-        (tags::OPCODE_LIST_3, "OpcodeList3", "the demosaicked image"),
-    ] {
-        // A count of zero opcodes takes four bytes.
-        if ifd.bytes(tag).is_some_and(|list| list.iter().take(4).any(|b| *b != 0)) {
-            notes.push(format!(
-                "{name} is ignored: its corrections (defects, shading, distortion) are of {when}, and the samples are \
-                 wanted as the sensor gave them"
-            ));
-        }
-    }
 }

@@ -3,26 +3,30 @@
 //! JPEG is not.
 //!
 //! What DNG has a field for is stated there: mosaic, levels, colour matrix. Its colours are red, green, blue, cyan,
-//! magenta, yellow and white; a channel of another name gets a code from 7 on. Names, exact levels and the unit
-//! also stand as JSON in `ImageDescription`, so that [`read`] returns an equal [`RawImage`] for any mosaic.
+//! magenta, yellow and white, which also stands for clear; a channel of another name gets a code from 7 on. Names, exact
+//! levels and the unit also stand as JSON in `ImageDescription`, so that [`read`] returns an equal [`RawImage`] for any mosaic.
 
 mod jxl;
 mod levels;
 mod ljpeg;
+mod mosaic;
+mod opcodes;
 mod packed;
 mod picture;
 mod read;
 mod samples;
 mod write;
 
+use crate::Orientation;
 use smalti::camera::{Camera, CameraError};
 use smalti::isp::WhiteBalance;
 use smalti::sensor::RawImage;
 use smalti::spectrum::Spectrum;
 
 pub use crate::scene_file::Crop;
-pub use picture::write_picture;
-pub use read::{from_bytes, read};
+pub use mosaic::StatedMosaic;
+pub use picture::{DngPicture, write_picture};
+pub use read::{from_bytes, read, read_as};
 pub use write::{Compression, write, write_compressed};
 
 /// How the camera sees colour, to develop the raw by.
@@ -78,6 +82,11 @@ pub struct Dng {
     /// The part of `raw` that makes the picture (`DefaultCropOrigin`, `DefaultCropSize`), where it is stated: the
     /// camera's own JPEG is of this size.
     pub default_crop: Option<Crop>,
+    /// How the picture is to be turned for viewing.
+    pub orientation: Orientation,
+    /// The noise of the samples, where `NoiseProfile` states it: S and O, with the variance S x + O of a normalised sample of mean x, the
+    /// mean over the channels.
+    pub noise: Option<[f64; 2]>,
     /// The rest.
     pub info: DngInfo,
     /// What was simplified or ignored.
@@ -107,32 +116,6 @@ struct Facts {
 // Values of PhotometricInterpretation.
 const CFA: u16 = 32803;
 const LINEAR_RAW: u16 = 34892;
-
-/// Letters of the colour codes 0 to 6 of `CFAPlaneColor`.
-const COLOR_LETTERS: [&str; 7] = ["R", "G", "B", "C", "M", "Y", "W"];
-
-/// The code of every channel for `CFAPattern`: that of its letter where it has one of its own, else the next free
-/// from 7 on. `None` when the codes, a byte each, do not suffice.
-fn color_codes(names: &[String]) -> Option<Vec<u8>> {
-    let mut codes: Vec<u8> = Vec::with_capacity(names.len());
-    let mut free = COLOR_LETTERS.len() as u8..=u8::MAX;
-    for name in names {
-        let known = COLOR_LETTERS.iter().position(|l| *l == name).map(|c| c as u8);
-        codes.push(match known.filter(|c| !codes.contains(c)) {
-            Some(code) => code,
-            None => free.next()?,
-        });
-    }
-    Some(codes)
-}
-
-/// The channels in the order of the planes in `CFAPlaneColor`. That is the order of the codes: LibRaw takes red,
-/// green, blue in no other.
-fn plane_order(codes: &[u8]) -> Vec<usize> {
-    let mut order: Vec<usize> = (0..codes.len()).collect();
-    order.sort_by_key(|&c| codes.get(c));
-    order
-}
 
 #[cfg(test)]
 mod tests;

@@ -10,29 +10,39 @@ use smalti::color::matrix::apply;
 use smalti::color::{ColorSpace, Image};
 use smalti::sensor::{RawImage, RawSamples, Sampling};
 
-use super::write::{Compression, write_compressed};
-use super::{ColorMatrix, DngInfo};
-use crate::IoError;
+use super::write::{Compression, write_viewed};
+use super::{ColorMatrix, Crop, DngInfo};
+use crate::{IoError, Orientation};
 
-/// The level of zero light. What lies below it is noise, which must keep its mean of zero.
-const BLACK: f64 = 2048.0;
+/// The level of zero light. Noise below it is clipped: RawTherapee 5.9 and darktable 4.2 read a linear DNG with another level wrongly, with a
+/// red cast or without subtracting it.
+const BLACK: f64 = 0.0;
 /// The level of the brightest sample.
 const WHITE: f64 = 65535.0;
 
+/// What a linear DNG states about its picture.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct DngPicture {
+    /// X, Y, Z of the illuminant (`AsShotNeutral`).
+    pub white: [f64; 3],
+    /// By which a developer multiplies the picture, above 0 (`BaselineExposure`).
+    pub gain: f64,
+    /// The model of the camera.
+    pub model: String,
+    /// How the picture is to be turned for viewing.
+    pub orientation: Orientation,
+    /// The part that a developer shows, as that of the raw file; `None` for the whole.
+    pub default_crop: Option<Crop>,
+}
+
 /// Writes a picture in XYZ, in which a white diffuser has at most Y = 1, as linear DNG of 16 bits. Its channels are the primaries of
-/// ROMM RGB (ISO 22028-2), which contain the colours of all surfaces; `ColorMatrix1` is their matrix. `white` is X, Y, Z of the illuminant, which
-/// becomes `AsShotNeutral`. A developer multiplies the picture by `gain` (`BaselineExposure`). Samples below 3 % of the
-/// range under zero light are clipped.
+/// ROMM RGB (ISO 22028-2), which contain the colours of all surfaces; `ColorMatrix1` is their matrix. Samples below zero
+/// light are clipped.
 ///
 /// # Errors
 /// When the picture is not in XYZ, has a value that is not finite, or the file cannot be written.
-pub fn write_picture(
-    path: &Path,
-    picture: &Image,
-    white: [f64; 3],
-    gain: f64,
-    model: &str,
-) -> Result<(), IoError> {
+pub fn write_picture(path: &Path, picture: &Image, stated: &DngPicture) -> Result<(), IoError> {
+    let DngPicture { white, gain, .. } = *stated;
     let wrong = |found: String, expected: &str| IoError::field(path, "the picture", found, expected);
     if picture.space() != ColorSpace::Xyz {
         return Err(wrong(format!("in {}", picture.space().name()), "a picture in XYZ"));
@@ -52,8 +62,7 @@ pub fn write_picture(
     }
     // What is brighter than a white diffuser, such as a lamp, is kept.
     let full = matrix.into_iter().flat_map(plane).fold(brightest, f64::max);
-    let scale = (WHITE - BLACK) / full;
-    let level = |v: f64| (BLACK + scale * v).round().clamp(0.0, WHITE) as u16;
+    let level = |v: f64| (v / full * WHITE).round().clamp(BLACK, WHITE) as u16;
     let samples: Vec<u16> = matrix.into_iter().flat_map(plane).map(level).collect();
     let raw = RawImage::new(
         picture.rows(),
@@ -67,7 +76,7 @@ pub fn write_picture(
     .map_err(|e| wrong(e.to_string(), "a picture with pixels"))?;
     let info = DngInfo {
         make: "Smalti".into(),
-        model: model.to_owned(),
+        model: stated.model.clone(),
         color_matrix: Some(ColorMatrix {
             camera_from_xyz: matrix.to_vec(),
             light_source: DngInfo::OTHER_LIGHT,
@@ -75,5 +84,5 @@ pub fn write_picture(
         as_shot_neutral: Some(neutral.map(|v| v / brightest).to_vec()),
         baseline_exposure_stops: Some((gain * full).log2()),
     };
-    write_compressed(path, &raw, &info, Compression::LosslessJpeg)
+    write_viewed(path, &raw, &info, Compression::LosslessJpeg, (stated.orientation, stated.default_crop))
 }

@@ -2,39 +2,46 @@
 
 use std::path::Path;
 
-use smalti::sensor::{Mosaic, RawImage, RawSamples, Sampling};
+use smalti::sensor::{RawImage, RawSamples};
 
-use super::levels::{one_black_level, opcode_lists};
+use super::levels::one_black_level;
+use super::mosaic::{StatedMosaic, described, sampling};
 use super::samples::{Coding, Shape, decode};
-use super::{
-    CFA, COLOR_LETTERS, ColorMatrix, Crop, Description, Dng, DngInfo, Facts, LINEAR_RAW, color_codes,
-    plane_order,
-};
+use super::{CFA, ColorMatrix, Crop, Description, Dng, DngInfo, LINEAR_RAW, opcodes};
 use crate::error::At;
 use crate::tiff::{Directory, Images, tags};
-use crate::{IoError, Limits, file};
+use crate::{IoError, Limits, Orientation, file};
 
 /// The raw image of a DNG: CFA or LinearRaw; 8 to 16 bits or floating point of 16, 24 or 32; uncompressed, lossless
 /// JPEG, Deflate or JPEG XL; both byte orders, strips or tiles. The image is cropped to its active area and its linearisation
 /// table applied. Where black levels differ from pixel to pixel, their difference to the highest is taken off the
-/// samples, so that one level holds for all. Opcode lists are ignored, with a note.
+/// samples, so that one level holds for all. Gain maps of the linear raw image (`OpcodeList2`) are applied; other opcodes are
+/// ignored. Notes tell of both.
 ///
 /// # Errors
 /// When the file cannot be read, is not a DNG, is compressed otherwise, has another layout than a rectangular mosaic, ends
 /// too early, or its levels make no range.
 pub fn read(path: &Path, limits: Limits) -> Result<Dng, IoError> {
-    parse(&file::read(path, limits.file_bytes)?, path, limits)
+    read_as(path, limits, None)
+}
+
+/// As [`read`], with a mosaic that is stated in place of the file's own, if it has one.
+///
+/// # Errors
+/// As [`read`], and when a mosaic is stated for an image with several samples in a pixel.
+pub fn read_as(path: &Path, limits: Limits, mosaic: Option<&StatedMosaic>) -> Result<Dng, IoError> {
+    parse(&file::read(path, limits.file_bytes)?, path, limits, mosaic)
 }
 
 /// As [`read`], from memory; `path` is only named.
 pub fn from_bytes(bytes: &[u8], path: &Path) -> Result<Dng, IoError> {
-    parse(bytes, path, Limits::default())
+    parse(bytes, path, Limits::default(), None)
 }
 
 /// Most images of a DNG that are looked at.
 const MAX_IMAGES: usize = 64;
 
-fn parse(bytes: &[u8], path: &Path, limits: Limits) -> Result<Dng, IoError> {
+fn parse(bytes: &[u8], path: &Path, limits: Limits, stated: Option<&StatedMosaic>) -> Result<Dng, IoError> {
     let not_dng = || IoError::unknown(path, "a DNG file");
     // A damaged preview does not matter where the raw image is whole.
     let mut damaged = None;
@@ -71,16 +78,15 @@ fn parse(bytes: &[u8], path: &Path, limits: Limits) -> Result<Dng, IoError> {
             *v = table.get(at).map_or(0, |t| *t as u16);
         }
     }
-    opcode_lists(ifd, &mut notes);
-
-    let (sampling, names) = sampling(ifd, shape, path)?;
+    let (sampling, names) = sampling(ifd, shape, stated, path, &mut notes)?;
     let full = if shape.float { 1.0 } else { f64::from((1u32 << shape.bits) - 1) };
     let white = ifd.number(tags::WHITE_LEVEL).unwrap_or(full);
     let (rows, cols) = (area.rows, area.cols);
     let black = one_black_level(ifd, (rows, cols, shape.planes), &mut samples, path, &mut notes)?;
+    opcodes::apply(ifd, (rows, cols, shape.planes), &mut samples, black, &mut notes);
     let facts =
         first.text(tags::IMAGE_DESCRIPTION).and_then(|t| serde_json::from_str::<Description>(&t).ok());
-    let facts = facts.and_then(|d| described(d.smalti, &sampling, ifd));
+    let facts = facts.filter(|_| stated.is_none()).and_then(|d| described(d.smalti, &sampling, ifd));
     let (sampling, names, order, black, white) = match facts {
         Some((f, sampling, order)) => (sampling, f.channels, order, f.black_level, f.white_level),
         None => {
@@ -90,31 +96,13 @@ fn parse(bytes: &[u8], path: &Path, limits: Limits) -> Result<Dng, IoError> {
     };
     let raw = RawImage::new(rows, cols, samples, sampling, names, black, white).at(path)?;
     let default_crop = default_crop(ifd, rows, cols);
-    Ok(Dng { raw, default_crop, info: info(first, &order), notes })
-}
-
-/// The sampling in the words of the description, and its channels in the order of DNG's planes. `None` where the
-/// description is not of this mosaic: left behind by a program that changed the image.
-fn described(facts: Facts, stated: &Sampling, ifd: &Directory) -> Option<(Facts, Sampling, Vec<usize>)> {
-    if facts.channels.len() != stated.channels() {
-        return None;
-    }
-    match (stated, &facts.mosaic) {
-        (Sampling::Full { channels }, None) => Some((facts, stated.clone(), (0..*channels).collect())),
-        (Sampling::Mosaic(m), Some(rows)) => {
-            let codes = color_codes(&facts.channels)?;
-            let cells = rows.concat();
-            let pattern: Option<Vec<u8>> =
-                cells.iter().map(|c| codes.get(usize::from(*c)).copied()).collect();
-            let same_tile = rows.len() == m.rows() && rows.iter().all(|r| r.len() == m.cols());
-            if !same_tile || pattern.as_deref() != ifd.bytes(tags::CFA_PATTERN) {
-                return None;
-            }
-            let mosaic = Mosaic::new(m.rows(), m.cols(), cells).ok()?;
-            Some((facts, Sampling::Mosaic(mosaic), plane_order(&codes)))
-        }
-        _ => None,
-    }
+    // The first image states it for all.
+    let orientation = [first, ifd]
+        .iter()
+        .find_map(|d| d.integer(tags::ORIENTATION))
+        .map_or_else(Orientation::default, Orientation::from_exif);
+    let noise = [ifd, first].iter().find_map(|d| noise(d));
+    Ok(Dng { raw, default_crop, orientation, noise, info: info(first, &order), notes })
 }
 
 fn shape(ifd: &Directory, path: &Path) -> Result<Shape, IoError> {
@@ -175,47 +163,6 @@ fn active_area(ifd: &Directory, shape: Shape, path: &Path) -> Result<Crop, IoErr
     })
 }
 
-/// The mosaic and names for its channels, from DNG's own fields.
-fn sampling(ifd: &Directory, shape: Shape, path: &Path) -> Result<(Sampling, Vec<String>), IoError> {
-    let name = |code: &u8| match COLOR_LETTERS.get(usize::from(*code)) {
-        Some(letter) => (*letter).to_owned(),
-        None => format!("code {code}"),
-    };
-    if ifd.integer(tags::PHOTOMETRIC) == Some(u64::from(LINEAR_RAW)) {
-        let names = match shape.planes {
-            3 => (0..3).map(|c| name(&c)).collect(),
-            n => (1..=n).map(|i| i.to_string()).collect(),
-        };
-        return Ok((Sampling::Full { channels: shape.planes }, names));
-    }
-    if shape.planes != 1 {
-        let found = format!("{} samples a pixel", shape.planes);
-        return Err(IoError::field(path, "the mosaic", found, "1"));
-    }
-    let layout = ifd.size(tags::CFA_LAYOUT).unwrap_or(1);
-    if layout != 1 {
-        return Err(IoError::field(path, "CFALayout", layout.to_string(), "1 (rectangular)"));
-    }
-    let dim = ifd.numbers(tags::CFA_REPEAT_PATTERN_DIM).unwrap_or_default();
-    let (rows, cols) = match dim.as_slice() {
-        [rows, cols] => (*rows as usize, *cols as usize),
-        _ => return Err(IoError::field(path, "CFARepeatPatternDim", format!("{dim:?}"), "rows and columns")),
-    };
-    let pattern = ifd.bytes(tags::CFA_PATTERN).unwrap_or_default();
-    let plane_colors = ifd.bytes(tags::CFA_PLANE_COLOR).unwrap_or(&[0, 1, 2]);
-    // Planes that no cell has would be channels without samples.
-    let used: Vec<u8> = plane_colors.iter().copied().filter(|c| pattern.contains(c)).collect();
-    let channel = |code: &u8| {
-        used.iter().position(|c| c == code).and_then(|c| u8::try_from(c).ok()).ok_or_else(|| {
-            let expected = format!("colours that CFAPlaneColor lists: {plane_colors:?}");
-            IoError::field(path, "CFAPattern", format!("with colour {code}"), expected)
-        })
-    };
-    let cells = pattern.iter().map(channel).collect::<Result<Vec<u8>, _>>()?;
-    let mosaic = Mosaic::new(rows, cols, cells).at(path)?;
-    Ok((Sampling::Mosaic(mosaic), used.iter().map(name).collect()))
-}
-
 /// `None` where it is not stated, or not in whole pixels within the image.
 fn default_crop(ifd: &Directory, rows: usize, cols: usize) -> Option<Crop> {
     let (origin, size) = (ifd.numbers(tags::DEFAULT_CROP_ORIGIN)?, ifd.numbers(tags::DEFAULT_CROP_SIZE)?);
@@ -226,6 +173,15 @@ fn default_crop(ifd: &Directory, rows: usize, cols: usize) -> Option<Crop> {
     }
     let crop = Crop { row: *row as usize, col: *col as usize, rows: *high as usize, cols: *wide as usize };
     crop.within(rows, cols, Path::new("")).ok()
+}
+
+/// The mean over the pairs of numbers, one for all channels or one for each, in `NoiseProfile`.
+fn noise(ifd: &Directory) -> Option<[f64; 2]> {
+    let numbers = ifd.numbers(tags::NOISE_PROFILE)?;
+    let (pairs, rest) = numbers.as_chunks::<2>();
+    let mean = |i: usize| pairs.iter().map(|pair| pair[i]).sum::<f64>() / pairs.len() as f64;
+    let is_noise = !pairs.is_empty() && rest.is_empty() && numbers.iter().all(|v| v.is_finite() && *v >= 0.0);
+    is_noise.then(|| [mean(0), mean(1)])
 }
 
 /// Names and colour; `order` gives the channel of each of DNG's planes.

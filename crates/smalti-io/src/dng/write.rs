@@ -6,10 +6,11 @@ use std::path::Path;
 use smalti::sensor::{RawImage, RawSamples, Sampling};
 
 use super::ljpeg;
-use super::{CFA, Description, DngInfo, Facts, LINEAR_RAW, color_codes, plane_order};
+use super::mosaic::{color_codes, plane_order};
+use super::{CFA, Crop, Description, DngInfo, Facts, LINEAR_RAW};
 use crate::text::ascii_json;
 use crate::tiff::{Fields, Value, tags, write_header};
-use crate::{IoError, write};
+use crate::{IoError, Orientation, write};
 
 /// How samples are written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -40,7 +41,25 @@ pub fn write_compressed(
     info: &DngInfo,
     compression: Compression,
 ) -> Result<(), IoError> {
+    write_viewed(path, raw, info, compression, (Orientation::default(), None))
+}
+
+/// As [`write_compressed`], with the orientation of the picture and its part that is shown.
+pub(super) fn write_viewed(
+    path: &Path,
+    raw: &RawImage,
+    info: &DngInfo,
+    compression: Compression,
+    (orientation, default_crop): (Orientation, Option<Crop>),
+) -> Result<(), IoError> {
     let mut fields = fields(path, raw, info)?;
+    fields.insert(tags::ORIENTATION, Value::Short(vec![orientation.exif().into()]));
+    if let Some(crop) = default_crop {
+        // Horizontal before vertical.
+        let pair = |across: usize, down: usize| Value::Long(vec![across as u32, down as u32]);
+        fields.insert(tags::DEFAULT_CROP_ORIGIN, pair(crop.col, crop.row));
+        fields.insert(tags::DEFAULT_CROP_SIZE, pair(crop.cols, crop.rows));
+    }
     let coded = match compression {
         Compression::None => None,
         Compression::LosslessJpeg => {
@@ -143,7 +162,6 @@ fn fields(path: &Path, raw: &RawImage, info: &DngInfo) -> Result<Fields, IoError
         (tags::BITS_PER_SAMPLE, Value::Short(vec![bits; planes])),
         (tags::COMPRESSION, Value::Short(vec![1])),
         (tags::IMAGE_DESCRIPTION, Value::Ascii(ascii_json(&Description { smalti: facts }))),
-        (tags::ORIENTATION, Value::Short(vec![1])),
         (tags::SAMPLES_PER_PIXEL, Value::Short(vec![samples_per_pixel])),
         (tags::PLANAR_CONFIGURATION, Value::Short(vec![1])),
         (tags::SOFTWARE, Value::Ascii(concat!("smalti ", env!("CARGO_PKG_VERSION")).into())),

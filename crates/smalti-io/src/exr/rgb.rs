@@ -11,7 +11,7 @@ use super::read::declared_bytes;
 use crate::error::At;
 use crate::file::{Negative, guarded, sample};
 use crate::picture::Picture;
-use crate::{IoError, Limits, ReadOptions};
+use crate::{IoError, Limits, Orientation, ReadOptions};
 
 /// The channels R, G, B, or Y for all three.
 pub(crate) fn rgb_from_bytes(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<Picture, IoError> {
@@ -31,7 +31,12 @@ pub(crate) fn rgb_from_bytes(bytes: &[u8], path: &Path, options: &ReadOptions) -
         if find("A").is_some() {
             notes.push("the alpha channel is ignored".to_owned());
         }
-        return Ok(Picture { image: Image::new(ColorSpace::LinearSrgb, planes).at(path)?, bits: 32, notes });
+        return Ok(Picture {
+            image: Image::new(ColorSpace::LinearSrgb, planes).at(path)?,
+            bits: 32,
+            orientation: Orientation::default(),
+            notes,
+        });
     }
     Err(IoError::field(path, "the picture", "without channels R, G, B or Y", "an RGB or grey picture"))
 }

@@ -5,8 +5,8 @@ use std::path::Path;
 use smalti::color::{ColorSpace, Image};
 use smalti::numeric::Planes;
 
-use crate::IoError;
 use crate::error::At;
+use crate::{IoError, Orientation};
 
 /// A picture and what is known of it.
 #[derive(Debug, Clone, PartialEq)]
@@ -22,6 +22,8 @@ pub struct Picture {
     pub image: Image,
     /// Bits per sample in the file.
     pub bits: u8,
+    /// How it is to be turned for viewing (TIFF, and Exif in JPEG). The image is as stored.
+    pub orientation: Orientation,
     /// What is ignored: alpha channels, profiles of other spaces.
     pub notes: Vec<String>,
 }

@@ -10,7 +10,8 @@ use zune_jpeg::zune_core::options::DecoderOptions;
 
 use super::decoded::{PROFILE_NOTE, Picture, from_interleaved};
 use crate::file::guarded;
-use crate::{IoError, ReadOptions};
+use crate::tiff::{Images, tags};
+use crate::{IoError, Orientation, ReadOptions};
 
 pub(super) fn decode(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<Picture, IoError> {
     let wrong = |message: String| IoError::decode(path, "JPEG", message);
@@ -34,6 +35,32 @@ pub(super) fn decode(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result
         }
         let samples: Vec<f32> = buffer.iter().map(|&b| f32::from(b) / 255.0).collect();
         let image = from_interleaved(path, (rows, cols, 3), &samples, ColorSpace::Srgb)?;
-        Ok(Picture { image, bits: 8, notes })
+        Ok(Picture { image, bits: 8, orientation: orientation(decoder.exif(), path), notes })
     })
+}
+
+/// That of Exif, which is a TIFF file in a segment of its own; as stored where there is none or it is damaged.
+fn orientation(exif: Option<&Vec<u8>>, path: &Path) -> Orientation {
+    let images = exif.and_then(|exif| Images::new(exif, path, false).ok());
+    let first = images.and_then(|mut images| images.next()?.ok());
+    let code = first.and_then(|d| d.integer(tags::ORIENTATION));
+    code.map_or_else(Orientation::default, Orientation::from_exif)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_orientation_is_that_of_exif() {
+        let exif = |code: u8| {
+            [b"II*\0\x08\0\0\0\x01\0\x12\x01\x03\0\x01\0\0\0".as_slice(), &[code, 0, 0, 0, 0, 0, 0, 0]]
+                .concat()
+        };
+        let of = |exif: Option<&Vec<u8>>| orientation(exif, Path::new("f.jpg")).exif();
+        assert_eq!([of(Some(&exif(6))), of(Some(&exif(3))), of(Some(&exif(0))), of(None)], [6, 3, 1, 1]);
+        for end in 0..exif(6).len() - 4 {
+            assert_eq!(of(Some(&exif(6)[..end].to_vec())), 1);
+        }
+    }
 }

@@ -8,7 +8,7 @@ use smalti::color::ColorSpace;
 
 use super::decoded::{PROFILE_NOTE, Picture, alpha_note, from_interleaved};
 use crate::file::guarded;
-use crate::{IoError, ReadOptions, icc};
+use crate::{IoError, Orientation, ReadOptions, icc};
 
 pub(super) fn decode(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<Picture, IoError> {
     let wrong = |e: png::DecodingError| IoError::decode(path, "PNG", e);
@@ -47,7 +47,8 @@ pub(super) fn decode(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result
             samples.iter_mut().for_each(|v| *v = v.powf(exponent));
         }
         let size = (frame.height as usize, frame.width as usize, channels);
-        Ok(Picture { image: from_interleaved(path, size, &samples, space)?, bits, notes })
+        let image = from_interleaved(path, size, &samples, space)?;
+        Ok(Picture { image, bits, orientation: Orientation::default(), notes })
     })
 }
 

@@ -12,7 +12,7 @@ use crate::file::Negative;
 use crate::raster::{self, Bad, Kind, Shared, Values};
 use crate::scene_file::cube_file::bad_to_error;
 use crate::tiff::{Images, cube, tags};
-use crate::{IoError, ReadOptions, icc};
+use crate::{IoError, Orientation, ReadOptions, icc};
 
 const WHITE_IS_ZERO: u64 = 0;
 
@@ -77,5 +77,7 @@ pub(super) fn decode(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result
     }
     let space = if full.is_some() { ours.unwrap_or(ColorSpace::Srgb) } else { ColorSpace::LinearSrgb };
     let planes = Planes::new(rows, cols, 3, data).at(path)?;
-    Ok(Picture { image: Image::new(space, planes).at(path)?, bits, notes })
+    let orientation =
+        directory.integer(tags::ORIENTATION).map_or_else(Orientation::default, Orientation::from_exif);
+    Ok(Picture { image: Image::new(space, planes).at(path)?, bits, orientation, notes })
 }

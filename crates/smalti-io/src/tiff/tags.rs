@@ -53,4 +53,5 @@ pub(crate) const ROW_INTERLEAVE_FACTOR: u16 = 50975;
 pub(crate) const OPCODE_LIST_1: u16 = 51008;
 pub(crate) const OPCODE_LIST_2: u16 = 51009;
 pub(crate) const OPCODE_LIST_3: u16 = 51022;
+pub(crate) const NOISE_PROFILE: u16 = 51041;
 pub(crate) const COLUMN_INTERLEAVE_FACTOR: u16 = 52547;

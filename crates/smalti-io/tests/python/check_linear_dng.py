@@ -1,4 +1,4 @@
-"""Develops linear DNG files with LibRaw (rawpy) to linear sRGB and prints the means of a patch as JSON: one object per file."""
+"""Develops linear DNG files with LibRaw (rawpy) to linear sRGB and prints the rows, their pixels one after the other, as JSON: one object per file."""
 
 import json
 import sys
@@ -11,4 +11,4 @@ for path in sys.argv[1:]:
             output_bps=16, gamma=(1, 1), no_auto_bright=True, use_camera_wb=True, user_flip=0,
             highlight_mode=rawpy.HighlightMode.Clip,
         )
-    print(json.dumps({"shape": list(rgb.shape), "row": rgb[rgb.shape[0] // 2].tolist()}))
+    print(json.dumps({"shape": list(rgb.shape), "rows": rgb.reshape(rgb.shape[0], -1).tolist()}))

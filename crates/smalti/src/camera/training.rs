@@ -155,9 +155,18 @@ impl Camera {
     /// # Errors
     /// When no exposure is found, or the camera does not respond to the illuminant.
     pub fn refinement_axes(&self, light: &Spectrum) -> Result<RefinementAxes, CameraError> {
-        let noise = self.sensor.signal_noise(&self.nominal_exposure()?)?;
         let ((white, brightest), cells) = (self.white_responses(light)?, self.sensor.cfa.mosaic().cells());
         let mean = cells.iter().map(|&c| white[usize::from(c)] / brightest).sum::<f64>() / cells.len() as f64;
+        self.refinement_axes_at(mean)
+    }
+
+    /// The class axes of the second stage of a pipeline whose pictures have Y = 1 where the mean of the normalised samples is
+    /// `mean_of_white`.
+    ///
+    /// # Errors
+    /// When no exposure is found, or the mean is not above 0.
+    pub fn refinement_axes_at(&self, mean_of_white: f64) -> Result<RefinementAxes, CameraError> {
+        let (noise, mean) = (self.sensor.signal_noise(&self.nominal_exposure()?)?, mean_of_white);
         let of_y =
             [(noise.variance(0.0) / (mean * mean)).max(1e-12), noise.per_signal / mean, noise.quadratic()];
         let levels = Levels::logarithmic(REFINEMENT_LEVELS, of_y[0].sqrt() / 2.0, HIGHEST_CUT)?;

@@ -7,7 +7,7 @@ use super::error::StageContext;
 use super::learning::{TrainingRecord, solve};
 use super::material::{TrainingMaterial, first_light};
 use super::progress::ensure_running;
-use super::training_statistics::{ensure_mosaic, fresh_statistics, second_stage};
+use super::training_statistics::{WhiteIn, ensure_mosaic, fresh_statistics, second_stage};
 use super::{ExperimentError, Resources};
 use crate::camera::stable_text::stable_text;
 use crate::camera::{
@@ -139,7 +139,8 @@ fn refined(
         pipelines.iter().zip(&mut refined).filter(|(_, stored)| stored.is_none()).collect();
     let mut gathered = Vec::with_capacity(missing.len());
     for (FirstStage { of, light, pipeline, .. }, _) in &missing {
-        let learner = second_stage(of.camera, light, pipeline).map_err(|e| e.of_camera(of.label))?;
+        let learner =
+            second_stage(of.camera, WhiteIn::Light(light), pipeline).map_err(|e| e.of_camera(of.label))?;
         gathered.push(Gathering { of: *of, learner });
     }
     add_default_set(gathered.iter_mut().collect(), settings, resources)?;

@@ -4,9 +4,11 @@ use serde::Serialize;
 
 use super::error::StageContext;
 use super::material::{NamedScene, TrainingMaterial, add_scenes, first_light};
-use super::pairs::{PairAlignment, RawAndPicture, add_pair};
+use super::pairs::{PairAlignment, RawAndPicture, add_pair, brightness};
 use super::progress::ensure_running;
-use super::training_statistics::{continue_statistics, fresh_statistics, pair_statistics, second_stage};
+use super::training_statistics::{
+    WhiteIn, continue_statistics, fresh_statistics, pair_statistics, second_stage,
+};
 use super::{ExperimentError, Progress};
 use crate::camera::stable_text::stable_text;
 use crate::camera::{Camera, CameraDescription, StoredTrainingScenes, TrainingSettings, TrainingTarget};
@@ -97,6 +99,18 @@ impl<E: From<ExperimentError>> TrainingSources<'_, E> {
         }
     }
 
+    /// The mean of the normalised samples for which the pictures of the pairs have Y = 1, the geometric mean over the pairs: a camera
+    /// brightens its pictures as it sees fit. `None` without a pair that is not dark.
+    fn mean_of_white(&self, progress: &dyn Progress) -> Result<Option<f64>, E> {
+        let mut logarithms = Vec::with_capacity(self.pairs.len());
+        for TrainingPair { name, read, .. } in &self.pairs {
+            ensure_running(progress)?;
+            logarithms.extend(brightness(name, read()?)?.map(f64::ln));
+        }
+        let mean = logarithms.iter().sum::<f64>() / logarithms.len().max(1) as f64;
+        Ok((!logarithms.is_empty()).then(|| (-mean).exp()))
+    }
+
     /// Steps of progress that each stage takes.
     fn steps(&self) -> u64 {
         (self.pairs.len() + self.material().as_ref().map_or(0, TrainingMaterial::len)) as u64
@@ -181,7 +195,9 @@ pub fn refine<E: From<ExperimentError>>(
         return Err(ExperimentError::NothingToRefineFrom.into());
     }
     progress.expect(sources.steps());
-    let mut stage = second_stage(camera, &sources.light(camera)?, pipeline)?;
+    let light = sources.light(camera)?;
+    let white = sources.mean_of_white(progress)?.map_or(WhiteIn::Light(&light), WhiteIn::Samples);
+    let mut stage = second_stage(camera, white, pipeline)?;
     sources.add_to(&mut stage, camera, settings, progress)?;
     Ok(stage.solve().map_err(ExperimentError::from)?)
 }

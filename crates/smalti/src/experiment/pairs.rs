@@ -4,7 +4,7 @@ use super::ExperimentError;
 use super::error::StageContext;
 use crate::camera::{Camera, CameraError};
 use crate::color::{ColorSpace, Image};
-use crate::l3::{GOOD_CORRELATION, GOOD_RESIDUAL_PX, Learner, Pair, Registration};
+use crate::l3::{GOOD_CORRELATION, GOOD_RESIDUAL_PX, Learner, Pair, Registration, ensure_mosaic_of};
 use crate::numeric::Planes;
 use crate::sensor::RawImage;
 
@@ -68,6 +68,7 @@ pub(super) fn add_pair(
     let picture = pair.picture.converted(ColorSpace::Xyz).in_context(about)?;
     let target = picture.planes();
     let raw = pair.raw.with_channels(&names);
+    ensure_mosaic_of(&camera.sensor.cfa, &raw).map_err(CameraError::from).in_context(about)?;
     if !align {
         learner.add(&Pair { raw: &raw, seen: None, target }).map_err(CameraError::from).in_context(about)?;
         return Ok(PairAlignment { registration: None, rows: raw.rows(), cols: raw.cols() });
@@ -81,6 +82,18 @@ pub(super) fn add_pair(
     learner.add(&aligned.pair()).map_err(CameraError::from).in_context(about)?;
     let (rows, cols) = (aligned.raw.rows(), aligned.raw.cols());
     Ok(PairAlignment { registration: Some(found), rows, cols })
+}
+
+/// Y of a picture per mean of the normalised samples of its raw image, over all of both. `None` where either is dark.
+///
+/// # Errors
+/// When the picture cannot be converted to X, Y, Z.
+pub(super) fn brightness(name: &str, pair: RawAndPicture) -> Result<Option<f64>, ExperimentError> {
+    let mean =
+        |values: &[f32]| values.iter().map(|&v| f64::from(v)).sum::<f64>() / values.len().max(1) as f64;
+    let picture = pair.picture.converted(ColorSpace::Xyz).in_context(|| name.to_owned())?;
+    let (y, x) = (mean(picture.channels()[1]), mean(&pair.raw.normalized()));
+    Ok((y > 0.0 && x > 0.0 && (y / x).is_finite()).then_some(y / x))
 }
 
 /// Candidate scales, pixels of the raw image per pixel of the picture: 1, and the ratios of the default crop and of the raw image

@@ -37,17 +37,30 @@ pub(super) fn fresh_statistics(
     Ok(statistics)
 }
 
-/// Empty statistics of the second stage of a pipeline, which was learned under an illuminant (photons).
+/// What Y = 1 in the pictures of a pipeline stands for.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum WhiteIn<'a> {
+    /// A white diffuser under an illuminant (photons) that just saturates the brightest channel.
+    Light(&'a Spectrum),
+    /// This mean of the normalised samples.
+    Samples(f64),
+}
+
+/// Empty statistics of the second stage of a pipeline.
 ///
 /// # Errors
 /// When the outputs of the pipeline are not X, Y, Z, or no exposure is found.
 pub(super) fn second_stage<'a>(
     camera: &Camera,
-    light: &Spectrum,
+    white: WhiteIn<'_>,
     pipeline: &'a Pipeline,
 ) -> Result<SecondStage<'a>, ExperimentError> {
     pipeline.ensure_picture().map_err(|_| ExperimentError::NotRefined(pipeline.outputs().join(", ")))?;
-    let axes = camera.refinement_axes(light).in_context(|| "learning".into())?;
+    let axes = match white {
+        WhiteIn::Light(light) => camera.refinement_axes(light),
+        WhiteIn::Samples(mean) => camera.refinement_axes_at(mean),
+    };
+    let axes = axes.in_context(|| "learning".into())?;
     Ok(SecondStage::new(pipeline, RefinementStatistics::new(axes)))
 }
 

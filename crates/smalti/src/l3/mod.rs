@@ -64,6 +64,6 @@ pub use registration::{
 };
 pub use render::{FixedKernels, FixedRenderer, OutsideCounts, Rendered, Renderer, peak_ratio_db};
 pub use settings::{Alpha, KernelForm, PerceptualWeights, Quality, Solver, Training};
-pub use statistics::Statistics;
+pub use statistics::{Statistics, ensure_mosaic_of};
 pub use summary::{PositionSummary, Summary};
 pub use train::REVISION;

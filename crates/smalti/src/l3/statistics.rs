@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::error::ensure_finite;
 use super::gather::Gatherer;
 use super::{Axes, ClassKey, L3Error, Moments, Pair};
-use crate::sensor::{Mosaic, RawImage, Sampling};
+use crate::sensor::{Cfa, Mosaic, RawImage, Sampling};
 
 /// Moments of every class in the training data. Equal pairs in equal order give equal bits for any number of
 /// threads. Separately accumulated statistics can be merged.
@@ -240,7 +240,9 @@ impl Statistics {
     /// Checks a pair and returns the position of the image's first pixel in the tile.
     fn check(&mut self, pair: &Pair<'_>) -> Result<[usize; 2], L3Error> {
         let raw = pair.raw;
-        let phase = phase_in(self.axes.mosaic(), &self.channel_names, raw)?;
+        // The names of the channels are those of the first image.
+        let names = self.levels.map_or(&[][..], |_| &self.channel_names);
+        let phase = phase_in(self.axes.mosaic(), names, raw)?;
         let (rows, cols) = (raw.rows(), raw.cols());
         check_size(&self.axes, rows, cols)?;
         let same_size = |what, got| {
@@ -279,16 +281,26 @@ impl Statistics {
     }
 }
 
-/// The position of a raw image's first pixel in the tile. `names` are the names of the tile's channels, for
-/// messages.
+/// The position of a raw image's first pixel in the tile. `names` are the names of the tile's channels, which the image must have as
+/// well; empty where they are not known.
 pub(super) fn phase_in(mosaic: &Mosaic, names: &[String], raw: &RawImage) -> Result<[usize; 2], L3Error> {
     let Sampling::Mosaic(got) = raw.sampling() else { return Err(L3Error::NoMosaic) };
+    let same_names = names.is_empty() || names == raw.channel_names();
     let cells = (0..mosaic.rows()).flat_map(|r| (0..mosaic.cols()).map(move |c| [r, c]));
-    let mut shifts = cells.filter(|&[r, c]| mosaic.shifted(r, c) == *got);
+    let mut shifts = cells.filter(|&[r, c]| same_names && mosaic.shifted(r, c) == *got);
     shifts.next().ok_or_else(|| L3Error::Mosaic {
         expected: listed(mosaic, names),
         got: listed(got, raw.channel_names()),
     })
+}
+
+/// Checks that a raw image has the mosaic of a colour filter array, at any phase, and the names of its channels.
+///
+/// # Errors
+/// [`L3Error::NoMosaic`] or [`L3Error::Mosaic`].
+pub fn ensure_mosaic_of(cfa: &Cfa, raw: &RawImage) -> Result<(), L3Error> {
+    let names: Vec<String> = cfa.channels().iter().map(|c| c.name.clone()).collect();
+    phase_in(cfa.mosaic(), &names, raw).map(drop)
 }
 
 /// Size and cells of a tile, abbreviated.

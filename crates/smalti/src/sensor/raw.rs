@@ -173,10 +173,19 @@ impl RawImage {
     }
 
     /// The image with its channels in the order of `names`; unchanged where these are not the names of its
-    /// channels.
+    /// channels. A clear channel is called W by some and C by others: W is taken for C, and C for W, where only one of
+    /// the two occurs on each side.
     #[must_use]
     pub fn with_channels(self, names: &[String]) -> Self {
-        let place = |name: &String| names.iter().position(|n| n == name);
+        let find = |wanted: &str| names.iter().position(|n| n == wanted);
+        let has = |wanted: &str| self.channel_names.iter().any(|n| n == wanted);
+        let place = |name: &String| {
+            find(name).or_else(|| match name.as_str() {
+                "W" if !has("C") => find("C"),
+                "C" if !has("W") => find("W"),
+                _ => None,
+            })
+        };
         let places: Option<Vec<usize>> = self.channel_names.iter().map(place).collect();
         let (Some(places), Sampling::Mosaic(mosaic)) = (places, &self.sampling) else { return self };
         let cells = mosaic.cells().iter().map(|&c| places[usize::from(c)] as u8).collect();
