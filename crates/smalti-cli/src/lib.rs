@@ -3,6 +3,7 @@
 //! It is a library, so that the Python package provides the same command.
 
 mod args;
+mod cache;
 mod cli;
 mod compare;
 mod complete;
@@ -84,6 +85,7 @@ fn run(cli: Cli, words: &[String]) -> anyhow::Result<()> {
         Command::List(a) => list::run(&a),
         Command::Show(a) => show::run(&a, &cli.common),
         Command::Convert(a) => convert::run(&a, &cli.common),
+        Command::Cache(a) => cache::run(&a),
         Command::Completions { shell } => print(&complete::script(shell)?),
         Command::Man { dir } => print(&man::write_pages(Cli::command(), &dir)?),
     }

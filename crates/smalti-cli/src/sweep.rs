@@ -79,7 +79,7 @@ pub(crate) fn run(args: &SweepArgs, common: &Common) -> anyhow::Result<()> {
         studies::load_with_notes(name).map_err(|e| anyhow::anyhow!("{e}"))?;
     notes.iter().for_each(|text| note(text, common));
     let output = args.output.clone().unwrap_or_else(|| folder_of(&trials.study().name));
-    let cache = if args.no_cache { Cache::disabled() } else { Cache::open(None) };
+    let cache = if args.no_cache { Cache::disabled() } else { Cache::open(None)? };
     let images = |key: &str, make: &dyn Fn() -> _| cache.optical_image(key, make);
     let sweep = Sweep::new(&trials, &images);
     if args.dry_run {

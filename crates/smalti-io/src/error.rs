@@ -68,6 +68,9 @@ pub enum IoError {
     /// The file was written by a later (or other) version of its format.
     #[error("{}: it is version {found} of the {format} format; version {expected} is read here", path.display())]
     Version { path: PathBuf, format: &'static str, found: String, expected: String },
+    /// A variable of the environment states nothing that it can mean.
+    #[error("the variable {variable} is '{found}'; expected {expected}")]
+    Environment { variable: &'static str, found: String, expected: &'static str },
     /// The content has another hash (hexadecimal) than the file states.
     #[error("{}: it is damaged: its content has the hash {found}, but {stated} is stated", path.display())]
     Damaged { path: PathBuf, found: String, stated: String },

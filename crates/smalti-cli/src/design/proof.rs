@@ -102,7 +102,7 @@ pub(super) fn run(dir: &Path, args: &DesignArgs, common: &Common) -> anyhow::Res
     };
     let proof_dir = dir.join(PROOF);
     write::ensure_can_fill(&proof_dir)?;
-    let cache = if options.no_cache { Cache::disabled() } else { Cache::open(None) };
+    let cache = if options.no_cache { Cache::disabled() } else { Cache::open(None)? };
     let progress = Progress::new(0, common.quiet);
     let resources = Resources {
         store: &cache,

@@ -3,6 +3,7 @@
 
 mod bad_input;
 mod binning;
+mod cache;
 mod camera_text;
 mod compare;
 mod compare_page;
