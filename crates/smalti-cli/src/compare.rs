@@ -215,7 +215,7 @@ pub(crate) fn run(args: &Compare, words: &[String], common: &Common) -> anyhow::
     write_files(&report, &args.output, &text)?;
     progress.finish();
     if args.json {
-        return crate::print(&text);
+        return crate::output::print_document(&text);
     }
     let verdict = match report.verdict_text() {
         text if text.is_empty() => text,

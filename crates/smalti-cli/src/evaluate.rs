@@ -159,7 +159,7 @@ pub(crate) fn run(args: &Evaluate, words: &[String], common: &Common) -> anyhow:
         write::bytes(&dir.join("results.json"), text.as_bytes())?;
     }
     if args.json {
-        return crate::print(&text);
+        return crate::output::print_document(&text);
     }
     let names = labels.iter().flat_map(|label| args.luminance.iter().map(move |_| label.as_str()));
     let scores: Vec<_> = names.zip(results.iter().map(|(_, scores)| scores)).collect();

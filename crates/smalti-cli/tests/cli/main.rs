@@ -13,6 +13,7 @@ mod evaluate;
 mod experiments;
 #[path = "../../../smalti/tests/it/gaussian_sets.rs"]
 mod gaussian_sets;
+mod hostile;
 mod ir_cut;
 mod learn;
 mod learn_bad;

@@ -5,6 +5,7 @@ use super::description::{
     ArchitectureName, AutoExposureName, BinningDescription, CameraDescription, ConversionGainName,
     FILTER_TABLE, OpticsDescription, OpticsModelName, PatternDescription, SensorDescription,
 };
+use crate::names::steers;
 use crate::optics::{
     BirefringentLowPass, ChromaticFocus, Defocus, Optics, OpticsModel, Padding, PsfStack, Transmittance,
     Wavefront, WavefrontUnit, ZernikeMode,
@@ -53,6 +54,20 @@ fn curve(name: &str, filter: &Filter, grid: WavelengthGrid) -> Result<Spectrum, 
             let (value, nm) = (spectrum.values()[i], grid.wavelength_nm(i));
             Err(key(name, format_args!("{value} at {nm} nm; expected 0 to 1")))
         }
+    }
+}
+
+/// Checks that a name can be shown in one line.
+pub(super) fn name(d: &CameraDescription) -> Result<(), CameraError> {
+    match d.name.chars().find(|&c| steers(c)) {
+        None => Ok(()),
+        Some(c) => Err(key(
+            "name",
+            format_args!(
+                "it contains the control character U+{:04X}; expected a name in one line",
+                u32::from(c)
+            ),
+        )),
     }
 }
 
@@ -364,7 +379,7 @@ fn mixed(d: &SensorDescription, lines: &[String], filters: &[(char, Spectrum)]) 
 fn single_letter(name: &str, text: &str) -> Result<char, CameraError> {
     let mut chars = text.chars();
     match (chars.next(), chars.next()) {
-        (Some(letter), None) => Ok(letter),
+        (Some(letter), None) if !steers(letter) => Ok(letter),
         _ => Err(key(name, format_args!("'{text}' is not a single letter"))),
     }
 }
