@@ -314,7 +314,7 @@ pub(crate) fn wavelengths(text: &str) -> anyhow::Result<WavelengthGrid> {
         bail!("--wavelengths {text}: expected START:STEP:END, such as 400:10:700")
     };
     let count = ((end - start) / step).round();
-    if !(count.is_finite() && (0.0..=100_000.0).contains(&count)) {
+    if !(count.is_finite() && (1.0..100_000.0).contains(&count)) {
         bail!(
             "--wavelengths {text}: expected an end above the start, a positive step and at most 100000 wavelengths"
         );

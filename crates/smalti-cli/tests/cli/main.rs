@@ -4,6 +4,7 @@
 mod bad_input;
 mod binning;
 mod cache;
+mod camera_keys;
 mod camera_text;
 mod compare;
 mod compare_page;

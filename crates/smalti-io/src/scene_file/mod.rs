@@ -102,6 +102,12 @@ fn extension(path: &Path) -> Option<String> {
 /// When the header cannot be read or is not valid, or the options state how a picture is upsampled and the file holds spectra.
 pub fn open(path: &Path, options: &ReadOptions) -> Result<Option<Box<dyn Tiles>>, IoError> {
     let tiles = spectral_tiles(path, options)?;
+    if let Some(Header { rows, cols, .. }) = tiles.as_ref().map(|t| t.header())
+        && (*rows == 0 || *cols == 0)
+    {
+        let found = format!("of {rows} rows and {cols} columns");
+        return Err(IoError::field(path, "the image", found, "at least one row and one column"));
+    }
     match options.upsampling {
         Some(upsampling) if tiles.is_some() => Err(IoError::field(
             path,

@@ -20,6 +20,6 @@ pub(crate) mod simd;
 pub mod simultaneous;
 
 pub use out_of_range::OutOfRange;
-pub(crate) use out_of_range::require;
+pub(crate) use out_of_range::{Number, require};
 pub use planes::{Planes, ShapeError};
 pub use rect::Rect;
