@@ -1,6 +1,7 @@
 //! The `smalti` command: parses arguments, resolves names and files, calls the library and prints the results. No physics.
 //!
 //! It is a library, so that the Python package provides the same command.
+#![forbid(unsafe_code)]
 
 mod args;
 mod cache;

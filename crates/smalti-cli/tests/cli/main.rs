@@ -18,6 +18,7 @@ mod hostile;
 mod ir_cut;
 mod learn;
 mod learn_bad;
+mod licences;
 mod limits;
 mod mosaics;
 mod reference;
