@@ -55,7 +55,7 @@ impl PyPartMaker {
             if own.hash() != sent.hash() {
                 let differences = sent.differences(&own);
                 return Err(wrong(format!(
-                    "a worker has another version of Smalti than the client. Differences of its results:\n{differences}"
+                    "a worker has another version of Smalti than the client, or other arithmetic. Differences of its results:\n{differences}"
                 )));
             }
             let sweep = Sweep::owning(trials, if cache { &kept } else { &fresh });

@@ -1,6 +1,7 @@
 //! The kinds of entries, and their keys.
 
 use blake3::{Hash, Hasher};
+use smalti::numeric::arithmetic;
 use smalti::optics::OPTICAL_IMAGE_REVISION;
 
 /// What an entry holds.
@@ -48,6 +49,8 @@ impl EntryKind {
             ("kind", self.extension().as_bytes()),
             ("revision", &revision.to_le_bytes()),
             ("version", env!("CARGO_PKG_VERSION").as_bytes()),
+            // Machines may share a folder.
+            ("arithmetic", arithmetic().as_bytes()),
             ("of", description.as_bytes()),
         ])
     }
