@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Parser, Subcommand};
 
 use crate::args::Common;
+use crate::cache::CacheArgs;
 use crate::compare::Compare;
 use crate::convert::Convert;
 use crate::design::DesignArgs;
@@ -66,6 +67,8 @@ pub(crate) enum Command {
     Show(Box<Show>),
     /// Convert a scene between formats, or write a built-in scene to a file
     Convert(Convert),
+    /// Show or empty the cache, which keeps slow results between runs
+    Cache(CacheArgs),
     /// Print a script for tab completion
     #[command(after_help = "Examples:\n  \
         echo 'source <(smalti completions bash)' >> ~/.bashrc\n  \

@@ -133,7 +133,7 @@ pub(crate) fn run(args: &Compare, words: &[String], common: &Common) -> anyhow::
     args.exposure.note().iter().for_each(|text| note(text, common));
     write::ensure_can_fill(&args.output)?;
     let seed = args.camera_options.seed;
-    let cache = if args.no_cache { Cache::disabled() } else { Cache::open(None) };
+    let cache = if args.no_cache { Cache::disabled() } else { Cache::open(None)? };
     let (settings, training) = (args.learning.settings(seed), args.learning.training());
     let progress = Progress::new(0, common.quiet);
     let resources = Resources {
@@ -215,7 +215,7 @@ pub(crate) fn run(args: &Compare, words: &[String], common: &Common) -> anyhow::
     write_files(&report, &args.output, &text)?;
     progress.finish();
     if args.json {
-        return crate::print(&text);
+        return crate::output::print_document(&text);
     }
     let verdict = match report.verdict_text() {
         text if text.is_empty() => text,

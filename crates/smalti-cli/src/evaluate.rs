@@ -78,7 +78,7 @@ pub(crate) fn run(args: &Evaluate, words: &[String], common: &Common) -> anyhow:
     if let Some(dir) = &args.output {
         write::ensure_can_fill(dir)?;
     }
-    let cache = if args.no_cache { Cache::disabled() } else { Cache::open(None) };
+    let cache = if args.no_cache { Cache::disabled() } else { Cache::open(None)? };
     let progress = Progress::new((cameras.len() * args.luminance.len()) as u64, common.quiet);
     let resources = Resources { store: &cache, progress: &progress, ..Resources::default() };
     let tables = tables.into_iter().chain(std::iter::repeat_with(|| None));
@@ -159,7 +159,7 @@ pub(crate) fn run(args: &Evaluate, words: &[String], common: &Common) -> anyhow:
         write::bytes(&dir.join("results.json"), text.as_bytes())?;
     }
     if args.json {
-        return crate::print(&text);
+        return crate::output::print_document(&text);
     }
     let names = labels.iter().flat_map(|label| args.luminance.iter().map(move |_| label.as_str()));
     let scores: Vec<_> = names.zip(results.iter().map(|(_, scores)| scores)).collect();

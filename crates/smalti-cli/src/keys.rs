@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 
 use serde_json::{Map, Value, json};
+use smalti::camera::KeyRange;
 
 /// An item or key in a list.
 pub(crate) struct Entry {
@@ -19,6 +20,19 @@ pub(crate) fn keys(schema: &schemars::Schema) -> Vec<Entry> {
     let mut walk = Walk { definitions: &root["$defs"], explained: BTreeSet::new(), entries: Vec::new() };
     walk.table(root, "");
     walk.entries
+}
+
+/// As [`keys`], each key of a number with its range.
+pub(crate) fn camera_keys(schema: &schemars::Schema) -> Vec<Entry> {
+    let mut entries = keys(schema);
+    for entry in &mut entries {
+        let Some(range) = KeyRange::of(&entry.name) else { continue };
+        entry.summary = format!("{} Range: {range}.", entry.summary);
+        if let Value::Object(json) = &mut entry.json {
+            json.insert("range".into(), json!([range.low, range.high]));
+        }
+    }
+    entries
 }
 
 struct Walk<'a> {

@@ -1,8 +1,10 @@
 //! The `smalti` command: parses arguments, resolves names and files, calls the library and prints the results. No physics.
 //!
 //! It is a library, so that the Python package provides the same command.
+#![forbid(unsafe_code)]
 
 mod args;
+mod cache;
 mod cli;
 mod compare;
 mod complete;
@@ -36,8 +38,8 @@ use clap::{CommandFactory, Parser};
 use cli::{Cli, Command};
 use output::print;
 use raw_args::naming_the_option;
+use smalti::names::in_one_line;
 use smalti_io::{IoError, UnstatedProperty};
-use smalti_report::in_one_line;
 
 const DONE: u8 = 0;
 const FAILED: u8 = 1;
@@ -53,17 +55,24 @@ pub fn command(args: impl IntoIterator<Item = OsString>) -> u8 {
     let words: Vec<String> = args.iter().skip(1).map(|a| a.to_string_lossy().into_owned()).collect();
     let done = match Cli::try_parse_from(args) {
         Ok(cli) => run(cli, &words),
-        Err(e) => {
-            // Nothing can be done about a closed standard error.
-            let _ = e.print();
-            return if e.use_stderr() { WRONG_USAGE } else { DONE };
+        Err(e) if e.use_stderr() => {
+            // The message repeats words of the command line. Nothing can be done about a closed standard error.
+            let clean = words.iter().map(|word| in_one_line(word).into_owned());
+            let clean = Cli::try_parse_from(std::iter::once("smalti".to_owned()).chain(clean)).err();
+            match clean {
+                Some(e) => drop(e.print()),
+                None => output::tell(&e.to_string()),
+            }
+            return WRONG_USAGE;
         }
+        // Help and version.
+        Err(e) => e.print().map_err(anyhow::Error::from),
     };
     match done {
         // A closed pipe, as in `smalti list cfas | head`, is no failure.
         Err(e) if !is_broken_pipe(&e) => {
             let hint = option_for(&e).map_or_else(String::new, |option| format!(" ({option})"));
-            eprintln!("error: {}{hint}", in_one_line(e.as_ref()));
+            output::error(e.as_ref(), &hint);
             FAILED
         }
         _ => DONE,
@@ -86,6 +95,7 @@ fn run(cli: Cli, words: &[String]) -> anyhow::Result<()> {
         Command::List(a) => list::run(&a),
         Command::Show(a) => show::run(&a, &cli.common),
         Command::Convert(a) => convert::run(&a, &cli.common),
+        Command::Cache(a) => cache::run(&a),
         Command::Completions { shell } => print(&complete::script(shell)?),
         Command::Man { dir } => print(&man::write_pages(Cli::command(), &dir)?),
     }

@@ -11,7 +11,7 @@ use smalti_io::rendered::{self, StoredScene};
 use smalti_io::{BuiltinFile, cameras, designs, studies};
 use smalti_report::comparison::columns::where_shown;
 
-use crate::keys::{Entry, keys};
+use crate::keys::{Entry, camera_keys, keys};
 use crate::{table, terminal};
 
 #[derive(Debug, Clone, Args)]
@@ -74,7 +74,7 @@ pub(crate) fn run(args: &List) -> anyhow::Result<()> {
         Listing::Metrics => metric_list(),
         Listing::Studies => files(studies::names()),
         Listing::Designs => files(designs::names()),
-        Listing::CameraKeys => keys(&cameras::schema()),
+        Listing::CameraKeys => camera_keys(&cameras::schema()),
         Listing::StudyKeys => keys(&studies::schema()),
         Listing::DesignKeys => keys(&designs::schema()),
     };

@@ -1,4 +1,5 @@
 //! The `smalti` command.
+#![forbid(unsafe_code)]
 
 use std::process::ExitCode;
 

@@ -4,7 +4,9 @@ use std::fmt::Write;
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
+use smalti::names::in_one_line;
 
+use crate::output::tell;
 use crate::terminal;
 
 /// Rows of a terminal that does not report them.
@@ -61,7 +63,7 @@ impl smalti::experiment::Progress for Progress {
     }
 
     fn begin(&self, step: &str) {
-        self.bar.set_message(step.to_owned());
+        self.bar.set_message(in_one_line(step).into_owned());
     }
 
     fn done(&self) {
@@ -72,13 +74,13 @@ impl smalti::experiment::Progress for Progress {
     fn preliminary(&self, table: &str) {
         let room = terminal::rows_of_errors().unwrap_or(USUAL_ROWS).saturating_sub(BAR_ROWS);
         let lines = table.lines().take(room);
-        self.bar.set_prefix(lines.fold(String::new(), |shown, line| shown + line + "\n"));
+        self.bar.set_prefix(lines.fold(String::new(), |shown, line| shown + &in_one_line(line) + "\n"));
     }
 
     /// Prints a note above the bar, unless quiet.
     fn note(&self, text: &str) {
         if !self.quiet {
-            self.bar.suspend(|| eprintln!("note: {text}"));
+            self.bar.suspend(|| tell(&format!("note: {}", in_one_line(text))));
         }
     }
 }

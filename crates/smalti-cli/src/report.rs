@@ -102,7 +102,7 @@ pub(crate) fn run(args: &ReportArgs, common: &Common) -> anyhow::Result<()> {
     };
     progress.finish();
     report.notes().iter().for_each(|note| progress.note(note));
-    crate::print(&if args.json { document } else { text + &written })
+    if args.json { crate::output::print_document(&document) } else { crate::print(&(text + &written)) }
 }
 
 /// The camera of a trial as TOML.

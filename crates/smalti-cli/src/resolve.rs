@@ -21,7 +21,7 @@ use crate::scene_args::SceneOptions;
 /// A camera by name or file with the mosaic and the overrides of the command line, on its own wavelengths.
 pub(crate) fn camera(name: &str, options: &CameraOptions) -> anyhow::Result<LoadedCamera> {
     let name = with_cfa(name, options.cfa.as_deref())?;
-    cameras::load_with_notes(&name, &options.overrides, None).map_err(|e| anyhow::anyhow!("{e}"))
+    cameras::load_with_notes(&name, &options.overrides, None).map_err(anyhow::Error::from)
 }
 
 /// The name of a camera with the mosaic of `--cfa`.
@@ -181,7 +181,7 @@ fn fitting(
     if filters.is_empty() {
         return Ok((options, None));
     }
-    let letters = cameras::letters(name, &rest).map_err(|e| anyhow::anyhow!("{e}"))?;
+    let letters = cameras::letters(name, &rest).map_err(anyhow::Error::from)?;
     let has = |letter: char| letters.contains(&letter);
     let mut left_out: Vec<String> =
         filters.iter().filter_map(cameras::filter_letter).filter(|l| !has(*l)).map(String::from).collect();
@@ -314,7 +314,7 @@ pub(crate) fn wavelengths(text: &str) -> anyhow::Result<WavelengthGrid> {
         bail!("--wavelengths {text}: expected START:STEP:END, such as 400:10:700")
     };
     let count = ((end - start) / step).round();
-    if !(count.is_finite() && (0.0..=100_000.0).contains(&count)) {
+    if !(count.is_finite() && (1.0..100_000.0).contains(&count)) {
         bail!(
             "--wavelengths {text}: expected an end above the start, a positive step and at most 100000 wavelengths"
         );

@@ -143,7 +143,7 @@ pub(crate) fn run(args: &Simulate, common: &Common) -> anyhow::Result<()> {
     write::bytes(&dir.join("metrics.json"), text.as_bytes())?;
     progress.finish();
     if args.json {
-        return crate::print(&text);
+        return crate::output::print_document(&text);
     }
     let others = if args.stages { "raw.dng, metrics.json, stages.json" } else { "raw.dng, metrics.json" };
     crate::print(&format!("{}  ({others} in the same folder)\n", rendered.display()))

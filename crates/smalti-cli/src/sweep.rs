@@ -8,6 +8,7 @@ use clap::Args;
 use serde_json::json;
 use smalti::camera::OpticalImages;
 use smalti::design::{LearningSettings, LearningStatistics, Study, Sweep, TrialProcessing, Trials};
+use smalti::names::in_one_line;
 use smalti_io::cache::Cache;
 use smalti_io::dataset::{self, ColumnKind, Plan, Shard};
 use smalti_io::studies::{self, LoadedStudy};
@@ -15,7 +16,7 @@ use smalti_io::sweeps::{self, SweepRun, SweepSummary};
 use smalti_report::names;
 
 use crate::args::Common;
-use crate::output::note;
+use crate::output::{note, tell};
 use crate::progress::Progress;
 use crate::table;
 use smalti::experiment::Progress as _;
@@ -75,11 +76,10 @@ pub(crate) fn run(args: &SweepArgs, common: &Common) -> anyhow::Result<()> {
     let Some(name) = &args.study else {
         bail!("expected a built-in study (smalti list studies) or a TOML file")
     };
-    let LoadedStudy { trials, about, notes } =
-        studies::load_with_notes(name).map_err(|e| anyhow::anyhow!("{e}"))?;
+    let LoadedStudy { trials, about, notes } = studies::load_with_notes(name).map_err(anyhow::Error::from)?;
     notes.iter().for_each(|text| note(text, common));
     let output = args.output.clone().unwrap_or_else(|| folder_of(&trials.study().name));
-    let cache = if args.no_cache { Cache::disabled() } else { Cache::open(None) };
+    let cache = if args.no_cache { Cache::disabled() } else { Cache::open(None)? };
     let images = |key: &str, make: &dyn Fn() -> _| cache.optical_image(key, make);
     let sweep = Sweep::new(&trials, &images);
     if args.dry_run {
@@ -139,9 +139,9 @@ fn folder_of(study: &str) -> PathBuf {
 
 /// Reports on Ctrl-C how to resume. Every part on disk is complete, so the program can end at any moment.
 pub(crate) fn stops_resumably(output: &Path, what: &'static str) -> anyhow::Result<()> {
-    let dir = output.display().to_string();
+    let dir = in_one_line(&output.display().to_string()).into_owned();
     ctrlc::set_handler(move || {
-        eprintln!("\nstopped; {dir} keeps the results so far, and the same command resumes {what}");
+        tell(&format!("\nstopped; {dir} keeps the results so far, and the same command resumes {what}"));
         std::process::exit(STOPPED);
     })
     .context("listening for Ctrl-C")
@@ -206,7 +206,7 @@ fn dry_run(
         });
         return crate::output::print_json(&document);
     }
-    let mut out = format!("{}\n\n", study.name);
+    let mut out = format!("{}\n\n", in_one_line(&study.name));
     let row = |(colors, sets, mosaics): (usize, u64, usize)| {
         vec![colors.to_string(), sets.to_string(), mosaics.to_string(), (sets * mosaics as u64).to_string()]
     };

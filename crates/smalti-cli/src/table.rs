@@ -1,5 +1,6 @@
 //! Tables in plain text, with the first column left-aligned and all others right-aligned, that fit the width of a terminal.
 
+use smalti::names::in_one_line;
 use unicode_width::UnicodeWidthStr;
 
 /// Between columns.
@@ -15,7 +16,8 @@ pub(crate) fn render(header: &[&str], rows: &[Vec<String>]) -> String {
 /// A table at most `columns` characters wide where possible. Headings are wrapped first, then texts are shortened, then columns are
 /// moved to further blocks below.
 fn within(header: &[&str], rows: &[Vec<String>], columns: Option<usize>) -> String {
-    let cell = |row: &Vec<String>, c: usize| row.get(c).cloned().unwrap_or_default();
+    let cell =
+        |row: &Vec<String>, c: usize| row.get(c).map_or(String::new(), |t| in_one_line(t).into_owned());
     let mut table: Vec<Column> = (0..header.len())
         .map(|c| {
             let head = vec![header.get(c).copied().unwrap_or_default().to_owned()];

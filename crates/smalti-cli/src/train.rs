@@ -163,9 +163,9 @@ pub(crate) fn run(args: &Train, common: &Common) -> anyhow::Result<()> {
         json_summary(&pipeline, &reports)?
     } else {
         let pairs: String = reports.iter().map(pairs::Report::line).collect();
-        pairs + &summary(&pipeline, &args.output)
+        return crate::print(&(pairs + &summary(&pipeline, &args.output)));
     };
-    crate::print(&text)
+    crate::output::print_document(&text)
 }
 
 /// The folder of a file, if it does not exist.

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use smalti::l3::Pipeline;
 
-use crate::{IoError, l3, write};
+use crate::{IoError, l3, text, write};
 
 /// The document of a comparison. It is removed first and written last, so that a folder that contains it is complete.
 pub const RESULTS: &str = "results.json";
@@ -49,8 +49,8 @@ pub fn write<E: From<IoError>>(
 
 /// The files that an earlier comparison lists in its document, as far as their names are those of a comparison.
 fn earlier_files(dir: &Path, content: &ComparisonFiles<'_>) -> Vec<String> {
-    let text = fs::read(dir.join(RESULTS)).ok();
-    let results = text.and_then(|text| serde_json::from_slice::<serde_json::Value>(&text).ok());
+    let text = text::read_to_string(&dir.join(RESULTS)).ok();
+    let results = text.and_then(|text| serde_json::from_str::<serde_json::Value>(&text).ok());
     let listed = results.as_ref().and_then(|r| r.get("files")?.as_array());
     let is_own = |file: &&str| {
         // A name that leads elsewhere is not one that a comparison gives.

@@ -76,19 +76,20 @@ impl Content {
 
     /// Writes the file. Equal content gives equal bytes, which the writer of the safetensors crate (its strings are in a
     /// hash map) does not promise.
-    pub(crate) fn write(mut self, path: &Path) -> Result<(), IoError> {
-        let header = self.header(path)?;
-        write::stream(path, |out| {
-            out.write_all(&header)?;
-            self.tensors.iter().try_for_each(|t| out.write_all(&t.bytes))
-        })
+    pub(crate) fn write(self, path: &Path) -> Result<(), IoError> {
+        let pieces = self.into_pieces(path)?;
+        write::stream(path, |out| pieces.iter().try_for_each(|piece| out.write_all(piece)))
     }
 
     /// The bytes of the file; `path` is only named in errors.
-    pub(crate) fn into_bytes(mut self, path: &Path) -> Result<Vec<u8>, IoError> {
-        let mut bytes = self.header(path)?;
-        self.tensors.iter().for_each(|t| bytes.extend_from_slice(&t.bytes));
-        Ok(bytes)
+    pub(crate) fn into_bytes(self, path: &Path) -> Result<Vec<u8>, IoError> {
+        Ok(self.into_pieces(path)?.concat())
+    }
+
+    /// The bytes of the file in pieces: the header, and each array; `path` is only named in errors.
+    pub(crate) fn into_pieces(mut self, path: &Path) -> Result<Vec<Vec<u8>>, IoError> {
+        let header = self.header(path)?;
+        Ok(std::iter::once(header).chain(self.tensors.into_iter().map(|t| t.bytes)).collect())
     }
 
     /// What precedes the data. It sorts the tensors.

@@ -3,6 +3,8 @@
 use std::fmt;
 use std::ops::Range;
 
+use smalti::names::in_one_line;
+
 /// What is wrong, where, and what to do about it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Diagnostic {
@@ -40,18 +42,20 @@ impl Diagnostic {
 
 impl fmt::Display for Diagnostic {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}", self.origin)?;
+        // The line breaks are those of the layout alone.
+        write!(f, "{}", in_one_line(&self.origin))?;
         if let Some((line, column, _, _)) = &self.place {
             write!(f, ":{line}:{column}")?;
         }
-        write!(f, ": {}", self.message)?;
+        write!(f, ": {}", in_one_line(&self.message))?;
         if let Some((line, column, shown, marked)) = &self.place {
             let gutter = " ".repeat(line.to_string().len());
             let indent = " ".repeat(column - 1);
+            let shown = in_one_line(shown);
             write!(f, "\n {line} | {shown}\n {gutter} | {indent}{}", "^".repeat(*marked))?;
         }
         match &self.help {
-            Some(help) => write!(f, "\n   {help}"),
+            Some(help) => write!(f, "\n   {}", in_one_line(help)),
             None => Ok(()),
         }
     }

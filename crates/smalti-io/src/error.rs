@@ -27,6 +27,9 @@ pub enum IoError {
     /// The file, or what it declares to hold, is larger than allowed.
     #[error("{}: {what} takes {bytes} bytes; at most {limit} are allowed", path.display())]
     TooLarge { path: PathBuf, what: &'static str, bytes: u64, limit: u64 },
+    /// What is to be done with the file takes more memory than is available.
+    #[error("{}: {what} takes {} MB of memory, and {} MB are available", path.display(), bytes / 1_000_000, available / 1_000_000)]
+    Memory { path: PathBuf, what: &'static str, bytes: u64, available: u64 },
     /// The file ends before what it declares; lengths in bytes.
     #[error("{}: {what} needs {need} bytes, but the file has {have}; it is cut short or mislabelled", path.display())]
     Truncated { path: PathBuf, what: &'static str, need: u64, have: u64 },
@@ -68,6 +71,9 @@ pub enum IoError {
     /// The file was written by a later (or other) version of its format.
     #[error("{}: it is version {found} of the {format} format; version {expected} is read here", path.display())]
     Version { path: PathBuf, format: &'static str, found: String, expected: String },
+    /// A variable of the environment states nothing that it can mean.
+    #[error("the variable {variable} is '{found}'; expected {expected}")]
+    Environment { variable: &'static str, found: String, expected: &'static str },
     /// The content has another hash (hexadecimal) than the file states.
     #[error("{}: it is damaged: its content has the hash {found}, but {stated} is stated", path.display())]
     Damaged { path: PathBuf, found: String, stated: String },

@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
-use crate::IoError;
+use crate::{IoError, memory};
 
 /// How much memory a file may ask for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -30,7 +30,8 @@ const ALWAYS_ALLOWED: u64 = 1 << 20;
 impl Limits {
     /// Refuses content that takes more memory than allowed.
     pub(crate) fn check_memory(self, path: &Path, what: &'static str, bytes: u64) -> Result<(), IoError> {
-        at_most(self.decoded_bytes, path, what, bytes)
+        at_most(self.decoded_bytes, path, what, bytes)?;
+        memory::ensure_available(path, what, bytes)
     }
 
     /// Refuses content that takes more memory than allowed, or more than a file of `file_len` bytes can hold.
@@ -62,13 +63,19 @@ pub(crate) fn plausible(path: &Path, what: &'static str, bytes: u64, file_len: u
     Ok(())
 }
 
-/// The whole file.
+/// The largest content of a device or pipe: it states no length and may never end.
+const STREAM_BYTES: u64 = 64 << 20;
+
+/// The whole file, device or pipe.
 pub(crate) fn read(path: &Path, limit: u64) -> Result<Vec<u8>, IoError> {
     let io = IoError::reading(path);
     let mut file = File::open(path).map_err(io)?;
-    at_most(limit, path, "the file", file.metadata().map_err(io)?.len())?;
+    let metadata = file.metadata().map_err(io)?;
+    let limit = if metadata.is_file() { limit } else { limit.min(STREAM_BYTES) };
+    at_most(limit, path, "the file", metadata.len())?;
+    memory::ensure_available(path, "the file", metadata.len())?;
     let mut bytes = Vec::new();
-    // A device or pipe has no length: the limit is held while reading too.
+    // The limit is held while reading too: the file may grow.
     file.by_ref().take(limit.saturating_add(1)).read_to_end(&mut bytes).map_err(io)?;
     at_most(limit, path, "the file", bytes.len() as u64)?;
     Ok(bytes)

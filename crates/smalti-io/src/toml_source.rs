@@ -163,12 +163,31 @@ pub(crate) fn explain(message: &str) -> (String, Option<String>) {
     }
 }
 
+/// A text in which numbers of more than twenty digits have an exponent. Serde writes all digits of 1e308.
+fn with_short_numbers(text: &str) -> String {
+    const LONGEST: usize = 20;
+    let is_part = |c: char| c.is_ascii_digit() || c == '.';
+    let mut out = String::with_capacity(text.len().min(1 << 10));
+    let mut rest = text;
+    while let Some(at) = rest.find(is_part) {
+        let (before, from) = rest.split_at(at);
+        let (number, after) = from.split_at(from.find(|c| !is_part(c)).unwrap_or(from.len()));
+        out += before;
+        match number.parse::<f64>() {
+            Ok(value) if number.len() > LONGEST => out += &format!("{value:e}"),
+            _ => out += number,
+        }
+        rest = after;
+    }
+    out + rest
+}
+
 /// Names of Rust types say nothing to who writes a camera file.
 fn in_plain_words(message: &str) -> String {
     let found = |what: &str| message.strip_prefix(what).map(|rest| format!("found {rest}"));
     let message =
         found("invalid type: ").or_else(|| found("invalid value: ")).unwrap_or_else(|| message.to_owned());
-    let message = message.replace("missing field", "missing key");
+    let message = with_short_numbers(&message.replace("missing field", "missing key"));
     let Some((start, expected)) = message.split_once(", expected ") else { return message };
     let expected = match expected {
         "f64" | "f32" => "a number",
@@ -194,6 +213,18 @@ pub(crate) fn beside(folder: &Path, name: &str) -> PathBuf {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn numbers_in_messages_are_short() {
+        let long = format!("invalid type: floating point `1{}.0`, expected usize", "0".repeat(308));
+        let (message, _) = explain(&long);
+        assert_eq!(message, "found floating point `1e308`; expected a whole number, not negative");
+        let (message, _) = explain("invalid type: floating point `0.1000000000000000055`, expected usize");
+        assert_eq!(message, "found floating point `1e-1`; expected a whole number, not negative");
+        for same in ["found 1.25, not 1.2.3 or 18446744073709551615", "", "no number…"] {
+            assert_eq!(with_short_numbers(same), same);
+        }
+    }
 
     #[test]
     fn a_value_is_found_by_its_path() {

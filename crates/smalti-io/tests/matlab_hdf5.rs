@@ -183,6 +183,47 @@ fn what_is_written_reads_back_equal() {
     }
 }
 
+/// HDF5 states its length. Cut anywhere, it is no file, even where all samples are there and only an attribute or a name is lost.
+#[test]
+fn a_file_that_is_cut_short_is_refused() {
+    let dir = tempfile::tempdir().unwrap();
+    let file = ours(Quantity::Photons);
+    matlab::write(&dir.path().join("whole.mat"), &file, Version::V73).unwrap();
+    hdf5::write(&dir.path().join("whole.h5"), &file).unwrap();
+    for name in ["whole.mat", "whole.h5"] {
+        let whole = std::fs::read(dir.path().join(name)).unwrap();
+        let path = dir.path().join(name.replace("whole", "cut"));
+        for len in (0..whole.len()).step_by(1 + whole.len() / 400).chain([whole.len() - 1]) {
+            std::fs::write(&path, &whole[..len]).unwrap();
+            let message = match scene_file::read_spectral(&path, &ReadOptions::default()) {
+                Err(error) => error.to_string(),
+                Ok(found) => {
+                    assert!(found.is_none(), "{name} is read from {len} of {} bytes", whole.len());
+                    continue;
+                }
+            };
+            assert!(message.starts_with(path.to_str().unwrap()), "{message}");
+        }
+        // What follows the end is of no meaning.
+        std::fs::write(&path, [whole.as_slice(), &[0; 100]].concat()).unwrap();
+        assert_eq!(read(&path, &ReadOptions::default()).unwrap(), file);
+    }
+}
+
+/// A heap that is overwritten loses the texts of attributes; the file is refused, not read as relative energy.
+#[test]
+fn an_attribute_that_cannot_be_read_is_an_error() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("a.h5");
+    hdf5::write(&path, &ours(Quantity::Photons)).unwrap();
+    let mut bytes = std::fs::read(&path).unwrap();
+    let heap = bytes.windows(4).position(|w| w == b"GCOL").unwrap();
+    bytes[heap..heap + 4].fill(0);
+    std::fs::write(&path, bytes).unwrap();
+    let error = read(&path, &ReadOptions::default()).unwrap_err().to_string();
+    assert!(error.contains("the attribute 'quantity' is unreadable; expected a text"), "{error}");
+}
+
 #[test]
 fn a_part_is_the_part_of_the_whole() {
     let dir = tempfile::tempdir().unwrap();

@@ -206,4 +206,20 @@ fn a_part_takes_the_memory_of_the_part() {
         let threads = rayon::current_num_threads().max(1);
         assert!(bytes < (2 + 3 * threads) << 20, "{name}: {bytes} bytes");
     }
+
+    // Formats that are written from memory take what is asked for beforehand, and little beside it.
+    let image = scene_file::open(&at("a.hdr"), &options).unwrap().unwrap();
+    let whole = 4 * BANDS * ROWS * COLS;
+    for (name, copies) in [("o.mat", 4), ("p.h5", 3), ("q.exr", 3)] {
+        let (written, bytes) =
+            peak(|| scene_file::write(&at(name), &image, &scene_file::WriteOptions::default()));
+        written.unwrap();
+        println!("{name}: {:.2} times the image", bytes as f64 / whole as f64);
+        assert!(bytes <= copies * whole + (8 << 20), "{name}: {bytes} bytes");
+    }
+    let version = scene_file::WriteOptions { matlab: Some(Version::V73), ..Default::default() };
+    let (written, bytes) = peak(|| scene_file::write(&at("r.mat"), &image, &version));
+    written.unwrap();
+    println!("r.mat: {:.2} times the image", bytes as f64 / whole as f64);
+    assert!(bytes <= 4 * whole + (8 << 20), "r.mat: {bytes} bytes");
 }

@@ -19,8 +19,9 @@ use crate::work::{detached, watched};
 
 type Made = Result<OpticalImage, CameraError>;
 
+/// Without a cache where its limits are invalid, which [`PyPartMaker::py_new`] reports.
 fn kept(key: &str, make: &dyn Fn() -> Made) -> Made {
-    cache(true).optical_image(key, make)
+    cache(true).map_or_else(|_| make(), |cache| cache.optical_image(key, make))
 }
 
 fn fresh(_: &str, make: &dyn Fn() -> Made) -> Made {
@@ -44,6 +45,7 @@ pub(crate) struct PyPartMaker {
 impl PyPartMaker {
     #[new]
     fn py_new(py: Python<'_>, manifest: &str, scenes: &[u8], cache: bool) -> PyResult<Self> {
+        self::cache(cache)?;
         detached(py, || {
             let sent = Manifest::from_bytes(manifest.as_bytes(), Path::new("manifest.json")).or_raise()?;
             let (trials, about) = studies::from_json("the study that was sent", manifest, scenes)
@@ -53,7 +55,7 @@ impl PyPartMaker {
             if own.hash() != sent.hash() {
                 let differences = sent.differences(&own);
                 return Err(wrong(format!(
-                    "a worker has another version of Smalti than the client. Differences of its results:\n{differences}"
+                    "a worker has another version of Smalti than the client, or other arithmetic. Differences of its results:\n{differences}"
                 )));
             }
             let sweep = Sweep::owning(trials, if cache { &kept } else { &fresh });

@@ -28,8 +28,8 @@ use crate::scene::PyScene;
 use crate::spectrum::light;
 use crate::work::{Told, watched};
 
-pub(crate) fn cache(keep: bool) -> Cache {
-    if keep { Cache::open(None) } else { Cache::disabled() }
+pub(crate) fn cache(keep: bool) -> PyResult<Cache> {
+    if keep { Cache::open(None).or_raise() } else { Ok(Cache::disabled()) }
 }
 
 /// The scores of a camera on three targets, as `smalti evaluate` computes them: colour and noise on the ColorChecker, resolution on a
@@ -145,7 +145,7 @@ pub(crate) fn evaluate(
         pipeline.map(|p| PipelineSet::of_any_light(&settings.illuminant, &camera.camera, p.0.clone()));
     let contender = Contender::with_pipelines(&camera.camera, &name, pipelines.as_ref());
     let (scores, pictures) = watched(py, None, |watch| {
-        let store = self::cache(cache);
+        let store = self::cache(cache)?;
         let resources = Resources { store: &store, progress: watch, ..Resources::default() };
         contender.evaluate(&settings, resources).or_raise()
     })?;
@@ -331,7 +331,7 @@ pub(crate) fn compare<'py>(
     let training = TrainingSettings { seed, ..TrainingSettings::default() };
     let lights = scene_lights(&settings.illuminant, &settings.scenes).or_raise()?;
     let (names, compared) = watched(py, progress.map(Told::Steps), |watch| {
-        let store = self::cache(cache);
+        let store = self::cache(cache)?;
         let resources = Resources {
             store: &store,
             training_scenes: training_set.stored(),

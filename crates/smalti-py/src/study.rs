@@ -124,7 +124,7 @@ pub(crate) fn run_sweep(
     let shard = shard.map(|(index, of)| Shard::new(index, of)).transpose().or_raise()?;
     watched(py, progress.map(Told::Steps), |watch| {
         let run = SweepRun::open(&study.trials, study.about.clone(), part_size, &out, shard).or_raise()?;
-        let cache = self::cache(cache);
+        let cache = self::cache(cache)?;
         let images = |key: &str, make: &dyn Fn() -> _| cache.optical_image(key, make);
         let sweep = Sweep::new(&study.trials, &images);
         let done = run.run(&sweep, watch).or_raise()?;

@@ -26,6 +26,7 @@
 //!
 //! [okabe2008]: https://jfly.uni-koeln.de/color/
 //! [smith2015]: https://bids.github.io/colormap/
+#![forbid(unsafe_code)]
 
 mod axes;
 mod chart_colors;

@@ -46,15 +46,7 @@ pub(crate) fn width(text: &str, font: Font) -> f64 {
 /// Replaces control characters, which XML forbids, and bidirectional marks, which reverse the direction of text, by `�`. Line ends
 /// and tabs become spaces.
 pub(crate) fn clean(text: &str) -> String {
-    text.chars()
-        .map(|c| match c {
-            '\n' | '\r' | '\t' => ' ',
-            c if c.is_control() => '\u{FFFD}',
-            '\u{200E}' | '\u{200F}' | '\u{202A}'..='\u{202E}' | '\u{2066}'..='\u{2069}' => '\u{FFFD}',
-            '\u{FFFE}' | '\u{FFFF}' => '\u{FFFD}',
-            c => c,
-        })
-        .collect()
+    smalti::names::in_one_line(text).into_owned()
 }
 
 /// Escapes a label for XML text or attributes.

@@ -24,7 +24,7 @@ pub(crate) fn listed(names: &[String]) -> String {
 
 /// Text of a file without characters that would control a terminal.
 pub(crate) fn plain(text: &str) -> String {
-    text.replace(char::is_control, " ")
+    smalti::names::in_one_line(text).into_owned()
 }
 
 /// A word of a command, quoted for a POSIX shell. A leading hyphen gets `./` in front, since the word names a file.

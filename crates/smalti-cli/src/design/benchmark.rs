@@ -20,7 +20,7 @@ const BENCHMARK_SETS: usize = 2048;
 
 /// Screens random filters: 2 × 2 with four filters and 4 × 4 with sixteen, 15 classes, three luminances.
 pub(super) fn benchmark(args: &DesignArgs, common: &Common) -> anyhow::Result<()> {
-    let task = designs::load("free-4").map_err(|e| anyhow::anyhow!("{e}"))?.task;
+    let task = designs::load("free-4").map_err(anyhow::Error::from)?.task;
     let classes = LightClasses {
         luminance_cuts: vec![0.15, 0.4, 0.9, 1.8],
         contrast_cuts: vec![0.03, 0.15],

@@ -39,7 +39,7 @@ pub(crate) fn run(args: &DesignArgs, common: &Common) -> anyhow::Result<()> {
         return proof::of_finished(Path::new(name), args, common);
     }
     let LoadedDesign { task, camera: description, notes, .. } =
-        designs::load(name).map_err(|e| anyhow::anyhow!("{e}"))?;
+        designs::load(name).map_err(anyhow::Error::from)?;
     notes.iter().for_each(|text| note(text, common));
     write::ensure_can_fill(&args.output)?;
     let progress = Progress::new(0, common.quiet);
@@ -86,14 +86,14 @@ pub(crate) fn run(args: &DesignArgs, common: &Common) -> anyhow::Result<()> {
     progress.finish();
     let dir = &args.output;
     write::begin_folder(dir, &[RESULTS, PAGE])?;
-    let own = designs::own_camera_toml(&description).map_err(|e| anyhow::anyhow!("{e}"))?;
+    let own = designs::own_camera_toml(&description).map_err(anyhow::Error::from)?;
     write::bytes(&dir.join(OWN), own.as_bytes())?;
     if let Some(pipeline) = &pipeline {
         l3::write_table(&dir.join("camera.l3"), pipeline)?;
     }
     light::keep(dir, &task, &statistics)?;
     let toml = |design: &Design, name: &str| {
-        designs::camera_toml(design, &description, name).map_err(|e| anyhow::anyhow!("{e}"))
+        designs::camera_toml(design, &description, name).map_err(anyhow::Error::from)
     };
     write::bytes(&dir.join("camera.toml"), toml(&best, &task.name)?.as_bytes())?;
     write_filters(&dir.join("filters.csv"), &best, &task)?;

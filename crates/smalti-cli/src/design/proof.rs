@@ -1,6 +1,5 @@
 //! `smalti design --prove`: the array that was found and its rivals with learned pipelines, on scenes that were not used.
 
-use std::fs;
 use std::path::Path;
 
 use anyhow::{Context, bail};
@@ -18,7 +17,7 @@ use smalti::spectrum::Illuminant;
 use smalti_io::cache::Cache;
 use smalti_io::comparisons::{self, ComparisonFiles};
 use smalti_io::test_scenes::{TestSet, test_scene};
-use smalti_io::{cameras, memory, write};
+use smalti_io::{cameras, memory, text, write};
 use smalti_report::comparison::{CameraArgument, CommandLine, Comparison, Conditions, PAGE, SIDE_BY_SIDE};
 use smalti_report::design::{Proved, proof_text};
 use smalti_report::page::Markup;
@@ -80,9 +79,9 @@ pub(super) fn run(dir: &Path, args: &DesignArgs, common: &Common) -> anyhow::Res
     ensure_distinct("--proof-patch", &options.proof_patch)?;
     ensure_distinct("--proof-scene", &options.scenes)?;
     let results = dir.join(RESULTS);
-    let text =
-        fs::read(&results).with_context(|| format!("{}: it has no results of a search", dir.display()))?;
-    let document: Value = serde_json::from_slice(&text).with_context(|| results.display().to_string())?;
+    let text = text::read_to_string(&results)
+        .with_context(|| format!("{}: it has no results of a search", dir.display()))?;
+    let document: Value = serde_json::from_str(&text).with_context(|| results.display().to_string())?;
     let found: Found = serde_json::from_value(document.clone())
         .with_context(|| format!("{}: search again with this version", results.display()))?;
     let entrants = entrants(dir, &found, options.rivals)?;
@@ -102,7 +101,7 @@ pub(super) fn run(dir: &Path, args: &DesignArgs, common: &Common) -> anyhow::Res
     };
     let proof_dir = dir.join(PROOF);
     write::ensure_can_fill(&proof_dir)?;
-    let cache = if options.no_cache { Cache::disabled() } else { Cache::open(None) };
+    let cache = if options.no_cache { Cache::disabled() } else { Cache::open(None)? };
     let progress = Progress::new(0, common.quiet);
     let resources = Resources {
         store: &cache,
@@ -157,7 +156,7 @@ pub(super) fn run(dir: &Path, args: &DesignArgs, common: &Common) -> anyhow::Res
     };
     page::write(dir, &document, Some(&proved))?;
     if args.json {
-        return crate::print(&text);
+        return crate::output::print_document(&text);
     }
     crate::print(&format!(
         "{}\n{} has the figures; see {}, and {} for the pictures\n",
@@ -173,7 +172,7 @@ fn entrants(dir: &Path, found: &Found, most: Option<usize>) -> anyhow::Result<Ve
     let camera = |file: &str| -> anyhow::Result<Camera> {
         let path = dir.join(file);
         let loaded = cameras::load_with_notes(&path.to_string_lossy(), &[], None);
-        Ok(loaded.map_err(|e| anyhow::anyhow!("{e}"))?.camera)
+        Ok(loaded.map_err(anyhow::Error::from)?.camera)
     };
     let own = camera(OWN)?;
     let own_label = format!("{} (own)", own.description().name);

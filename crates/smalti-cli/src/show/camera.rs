@@ -3,6 +3,7 @@
 use serde_json::{Map, Value, json};
 use smalti::camera::description::PatternDescription;
 use smalti::camera::{Camera, ColorimetricObserver};
+use smalti::names::in_one_line;
 use smalti::sensor::cfa::info;
 use smalti::sensor::{Binning, Channel, Exposure};
 use smalti::spectrum::Illuminant;
@@ -27,8 +28,8 @@ const SHORT_LIST: usize = 8;
 const MIDDLE_NM: f64 = 550.0;
 
 pub(super) fn datasheet(name: &str, overrides: &[Override], common: &Common) -> anyhow::Result<Datasheet> {
-    let loaded = cameras::load_with_notes(name, overrides, None).map_err(|e| anyhow::anyhow!("{e}"))?;
-    let own_toml = loaded.stated_toml().map_err(|e| anyhow::anyhow!("{e}"))?;
+    let loaded = cameras::load_with_notes(name, overrides, None).map_err(anyhow::Error::from)?;
+    let own_toml = loaded.stated_toml().map_err(anyhow::Error::from)?;
     let LoadedCamera { camera, stated, mut notes } = loaded;
     let warnings = resolve::light_notes(&camera, &Illuminant::D65.photons(camera.grid())?)?;
     notes.extend(warnings.iter().map(|text| format!("{}: {text}", stated.name)));
@@ -188,6 +189,7 @@ fn aligned(heading: &str, lines: &[[String; 3]]) -> String {
     }
     let mut out = format!("{heading}\n");
     for [name, value, unit] in lines {
+        let value = in_one_line(value);
         out += &format!("  {}\n", format!("{name:<32} {value:<14} {unit}").trim_end());
     }
     out

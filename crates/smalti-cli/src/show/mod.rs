@@ -18,6 +18,7 @@ use std::path::{Path, PathBuf};
 use anyhow::bail;
 use clap::Args;
 use serde_json::{Value, json};
+use smalti::names::{harmless, in_one_line};
 use smalti::sensor::Cfa;
 use smalti_io::{Override, write};
 use smalti_report::Figure;
@@ -113,7 +114,7 @@ pub(crate) fn run(args: &Show, common: &Common) -> anyhow::Result<()> {
         let also = others.iter().map(|k| format!("{} (--as {})", k.with_article(), k.name()));
         sheet.title += &format!("; also {}", also.collect::<Vec<_>>().join(", "));
     }
-    crate::print(&draw(&sheet, &Screen::of_stdout(args.graphics, args.color))?)
+    crate::output::print_drawing(&draw(&sheet, &Screen::of_stdout(args.graphics, args.color))?)
 }
 
 /// Refuses options that would have no effect.
@@ -167,11 +168,12 @@ fn save(sheet: &Datasheet, kind: Kind, path: &Path) -> anyhow::Result<()> {
 fn draw(sheet: &Datasheet, screen: &Screen) -> anyhow::Result<String> {
     let limit = screen.columns.min(TEXT_COLUMNS);
     let texts = std::iter::once(&sheet.title).chain(&sheet.about);
-    let mut out: String = texts.flat_map(|text| wrap(text, limit)).map(|line| line + "\n").collect();
+    let lines = texts.flat_map(|text| wrap(&in_one_line(text), limit));
+    let mut out: String = lines.map(|line| line + "\n").collect();
     for part in &sheet.parts {
         out.push('\n');
         match (part, screen.protocol) {
-            (Part::Lines(lines), _) => out += lines,
+            (Part::Lines(lines), _) => out += &harmless(lines),
             (Part::Tile(tile), None) => out += &tile.lines(screen),
             (Part::Tile(tile), Some(protocol)) => {
                 out += &drawn(&tile.figure()?, tile.figure_columns(), screen, protocol)?;

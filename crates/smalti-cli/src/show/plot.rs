@@ -1,5 +1,6 @@
 //! Curves over wavelength in characters.
 
+use smalti::names::in_one_line;
 use smalti::spectrum::Spectrum;
 use smalti_report::{Figure, Line, Rgb};
 
@@ -73,7 +74,7 @@ impl Plot {
                 before = Some(y);
             }
         }
-        let mut out = format!("{}\n", self.title);
+        let mut out = format!("{}\n", in_one_line(&self.title));
         for (r, row) in field.iter().enumerate() {
             let label = match r {
                 0 => "1.0",

@@ -16,7 +16,7 @@ pub(super) fn file(name: &str, built_in: &[smalti_io::BuiltinFile]) -> anyhow::R
 }
 
 pub(super) fn datasheet(name: &str) -> anyhow::Result<Datasheet> {
-    let (trials, about) = studies::load(name).map_err(|e| anyhow::anyhow!("{e}"))?;
+    let (trials, about) = studies::load(name).map_err(anyhow::Error::from)?;
     let (summary, toml) = file(name, studies::names())?;
     let study = trials.study();
     let title = format!("{}: a study of {} trials", study.name, trials.len());

@@ -1,6 +1,7 @@
 //! The tile of a colour filter array: coloured cells with letters, and the legend of the letters.
 
 use serde_json::{Value, json};
+use smalti::names::{in_one_line, steers};
 use smalti::sensor::{Cfa, Channel};
 use smalti::spectrum::Spectrum;
 use smalti_report::{Cell, Figure, Mosaics, Rgb, filter_color};
@@ -122,7 +123,7 @@ impl Tile {
                 Some(_) => screen.on_color(e.color, &format!(" {} ", e.letter)),
                 None => e.letter.to_string(),
             };
-            let text = format!("{:>5.1} %  {peak:<19}  {}", 100.0 * e.share, e.name);
+            let text = format!("{:>5.1} %  {peak:<19}  {}", 100.0 * e.share, in_one_line(&e.name));
             format!("{letter} {}\n", text.trim_end())
         };
         self.channels.iter().map(line).collect()
@@ -161,7 +162,7 @@ impl Tile {
 /// The letters of channels: their names, and from `a` on where those are longer, as patterns of mixtures have them.
 fn letters(channels: &[Channel]) -> Vec<char> {
     let mut names = channels.iter().map(|c| (c.name.chars().next().unwrap_or('?'), c.name.chars().count()));
-    if names.clone().all(|(_, count)| count == 1) {
+    if names.clone().all(|(letter, count)| count == 1 && !steers(letter)) {
         return names.map(|(letter, _)| letter).collect();
     }
     let others = ('a'..='z').chain('A'..='Z').chain(std::iter::repeat('?'));

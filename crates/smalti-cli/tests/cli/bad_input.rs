@@ -203,17 +203,23 @@ fn cameras_that_cannot_be() {
     for (toml, words) in [
         (
             "[sensor.pixel]\nfill_factor = 1.5\n",
-            ["camera.toml:2:15", "`sensor.pixel.fill_factor`", "more than 0 and at most 1"],
+            ["camera.toml:2:15", "`sensor.pixel.fill_factor`", "expected 0.000001 to 1"],
         ),
         (
             "[sensor.pixel]\nfill_factor = 0\n",
-            ["camera.toml:2:15", "`sensor.pixel.fill_factor`", "more than 0"],
+            ["camera.toml:2:15", "`sensor.pixel.fill_factor`", "0 is out of range"],
         ),
-        ("[sensor.pixel]\nvoltage_swing_v = 0\n", ["camera.toml:2:19", "voltage_swing_v", "more than 0"]),
+        (
+            "[sensor.pixel]\nvoltage_swing_v = 0\n",
+            ["camera.toml:2:19", "voltage_swing_v", "0 is out of range"],
+        ),
         ("[sensor.pixel]\nread_noise_mv = -1\n", ["camera.toml:2:17", "read_noise_mv", "-1 is out of range"]),
         ("[sensor.pixel]\npitch_um = inf\n", ["camera.toml:2:12", "pitch_um", "inf is out of range"]),
         ("[sensor.pixel]\npitch_um = nan\n", ["camera.toml:2:12", "pitch_um", "NaN is out of range"]),
-        ("[sensor]\nadc_bits = 17\n", ["camera.toml:2:12", "adc_bits", "expected 0 (none) to 16"]),
+        (
+            "[sensor]\nadc_bits = 17\n",
+            ["camera.toml:2:12", "adc_bits", "17 is out of range; expected 0 to 16"],
+        ),
         ("[sensor]\nadc_bits = -1\n", ["camera.toml:2:12", "adc_bits", "expected a whole number"]),
         (
             "[sensor]\nrows = 10000000\n",
@@ -287,7 +293,11 @@ fn cameras_that_cannot_be() {
 #[test]
 fn overrides_that_do_not_fit_are_shown_as_typed() {
     let place = Place::new();
-    set(&place, &["sensor.pixel.fill_factor=1.5"], &["--set sensor.pixel.fill_factor=1.5:", "at most 1"]);
+    set(
+        &place,
+        &["sensor.pixel.fill_factor=1.5"],
+        &["--set sensor.pixel.fill_factor=1.5:", "expected 0.000001 to 1"],
+    );
     set(
         &place,
         &["sensor.rows=10000000", "sensor.cols=10000"],
@@ -357,10 +367,14 @@ fn scenes_and_settings_that_cannot_be() {
         scene(&place, name, &[words]);
     }
     for (option, value, words) in [
-        ("--luminance", "nan", "luminance_cd_m2 is NaN; expected more than 0"),
-        ("--luminance", "0", "luminance_cd_m2 is 0; expected more than 0"),
-        ("--fov", "190", "horizontal_fov_deg is 190; expected between 0 and 180"),
-        ("--distance", "0", "distance_m is 0; expected more than 0"),
+        ("--luminance", "nan", "luminance_cd_m2 is NaN; expected 1e-6 to 1e12"),
+        ("--luminance", "0", "luminance_cd_m2 is 0; expected 1e-6 to 1e12"),
+        ("--luminance", "1e-30", "luminance_cd_m2 is 1e-30; expected 1e-6 to 1e12"),
+        ("--fov", "190", "horizontal_fov_deg is 190; expected 1e-6 to 170"),
+        ("--fov", "179.9999", "horizontal_fov_deg is 179.9999; expected 1e-6 to 170"),
+        ("--distance", "0", "distance_m is 0; expected 1e-6 to 1e12"),
+        ("--distance", "1e308", "distance_m is 1e308; expected 1e-6 to 1e12"),
+        ("--wavelengths", "400:10:400", "expected an end above the start"),
         ("--distance", "0.001", "0.001 m from the lens; expected more than the focal length of 0.003863 m"),
         ("--illuminant", "D66", "did you mean 'D65'?"),
         ("--illuminant", "D:100", "100"),
@@ -371,6 +385,76 @@ fn scenes_and_settings_that_cannot_be() {
             &[words],
         );
     }
+}
+
+/// What cannot be measured is refused, and the message blames the key that is wrong, in few digits.
+#[test]
+fn nonsense_is_refused_by_its_own_key() {
+    let place = Place::new();
+    for (words, expected) in [
+        ("evaluate bayer --luminance 1e-30", "luminance_cd_m2 is 1e-30; expected 1e-6 to 1e12"),
+        ("evaluate bayer --luminance 1e308", "bayer at 1e308 cd/m²"),
+        ("evaluate bayer --set sensor.rows=1e308", "found floating point `1e308`; expected a whole number"),
+        (
+            "evaluate bayer --set sensor.pixel.full_well_e=1",
+            "full_well_e is 1; expected as many electrons as give",
+        ),
+        (
+            "evaluate bayer --set optics.f_number=1e-300",
+            "`optics.f_number`: 1e-300 is out of range; expected 0.5",
+        ),
+        ("evaluate bayer --set sensor.dsnu_e=1e6", "`sensor.dsnu_e`: 1000000 electrons are too many"),
+    ] {
+        fails(&place, &words.split(' ').collect::<Vec<_>>(), &[expected]);
+    }
+    // Also where another rule or a fixed time makes the key idle.
+    for set in ["auto_target=nan", "auto_percentile=-1", "auto_percentile=nan", "auto_percentile=200"] {
+        let key = format!("exposure.{}", set.split('=').next().unwrap());
+        for idle in ["exposure.time_ms=10", "exposure.auto=mean"] {
+            self::set(&place, &[idle, &format!("exposure.{set}")], &[&format!("`{key}`"), "is out of range"]);
+        }
+    }
+    // An array without rows is no image.
+    place.write("empty.npz", without_rows());
+    fails(
+        &place,
+        &["convert", "empty.npz", "-o", "a.exr"],
+        &["empty.npz: the image is of 0 rows and 4 columns; expected at least one row and one column"],
+    );
+}
+
+/// An archive of NumPy with a cube of 0 × 4 × 2 samples and its wavelengths.
+fn without_rows() -> Vec<u8> {
+    let place = Place::new();
+    npy::write::<f32>(&place.path("cube.npy"), &[2, 0, 4], &[]).unwrap();
+    npy::write(&place.path("nm.npy"), &[2], &[400.0, 500.0]).unwrap();
+    let (mut out, mut directory) = (Vec::new(), Vec::new());
+    for (name, file) in [("cube.npy", "cube.npy"), ("wavelengths_nm.npy", "nm.npy")] {
+        let content = place.read(file);
+        let (offset, len) = (out.len() as u32, content.len() as u32);
+        // PKWARE's APPNOTE 4.3.7 and 4.3.12: stored, without flags.
+        let mut common = [20u16, 0, 0, 0, 0].map(u16::to_le_bytes).concat();
+        common.extend(crc32(&content).to_le_bytes());
+        common.extend([len, len].map(u32::to_le_bytes).concat());
+        common.extend((name.len() as u16).to_le_bytes());
+        common.extend(0u16.to_le_bytes());
+        out.extend([b"PK\x03\x04", common.as_slice(), name.as_bytes(), &content].concat());
+        directory.extend([b"PK\x01\x02\x14\0", common.as_slice(), &[0; 10]].concat());
+        directory.extend(offset.to_le_bytes());
+        directory.extend(name.as_bytes());
+    }
+    let (at, len) = (out.len() as u32, directory.len() as u32);
+    out.extend([directory.as_slice(), b"PK\x05\x06\0\0\0\0\x02\0\x02\0"].concat());
+    out.extend([len, at].map(u32::to_le_bytes).concat());
+    out.extend(0u16.to_le_bytes());
+    out
+}
+
+/// CRC-32 of ISO 3309.
+fn crc32(bytes: &[u8]) -> u32 {
+    !bytes.iter().fold(!0u32, |sum, &byte| {
+        (0..8).fold(sum ^ u32::from(byte), |s, _| if s & 1 == 1 { s >> 1 ^ 0xedb8_8320 } else { s >> 1 })
+    })
 }
 
 #[test]

@@ -183,7 +183,7 @@ fn what_fails_writes_nothing() {
         ("evaluate bayer bayr -o o", "did you mean 'bayer'?"),
         (
             "evaluate bayer --luminance 75,0 -o o",
-            "bayer at 0 cd/m²: luminance_cd_m2 is 0; expected more than 0",
+            "bayer at 0 cd/m²: luminance_cd_m2 is 0; expected 1e-6 to 1e12",
         ),
         ("evaluate bayer --illuminant D66 -o o", "did you mean 'D65'?"),
     ] {

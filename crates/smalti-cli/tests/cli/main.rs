@@ -3,7 +3,9 @@
 
 mod bad_input;
 mod binning;
+mod cache;
 mod camera_dng;
+mod camera_keys;
 mod camera_text;
 mod compare;
 mod compare_page;
@@ -13,9 +15,12 @@ mod evaluate;
 mod experiments;
 #[path = "../../../smalti/tests/it/gaussian_sets.rs"]
 mod gaussian_sets;
+mod hostile;
 mod ir_cut;
 mod learn;
 mod learn_bad;
+mod licences;
+mod limits;
 mod mosaics;
 mod real_camera;
 mod reference;

@@ -123,6 +123,20 @@ fn lint(place: &Place, pages: &[String]) {
     }
 }
 
+/// A full device is a failure, also of help.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_device_is_a_failure() {
+    let place = Place::new();
+    for words in ["--help", "--version", "list cfas", "list cfas --json", "show rgbw", "completions bash"] {
+        let full = std::fs::File::options().write(true).open("/dev/full").unwrap();
+        let output = place.command().args(words.split(' ')).stdout(full).output().unwrap();
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(1), "{words}: {said}");
+        assert_eq!(said.matches("No space left on device").count(), 1, "{words}: {said}");
+    }
+}
+
 #[test]
 fn nothing_but_text_when_piped() {
     let place = Place::new();

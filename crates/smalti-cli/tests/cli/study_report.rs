@@ -438,7 +438,7 @@ fn hostile_names_are_escaped() {
     place.write("evil.toml", format!("name = \"<script>\\u001b[2J&../../x\"\n{TINY}"));
     place.ok("sweep evil.toml -o out");
     let text = place.ok("report out");
-    assert!(text.starts_with("<script> [2J&../../x: 8 trials"), "{text}");
+    assert!(text.starts_with("<script>\u{fffd}[2J&../../x: 8 trials"), "{text}");
     for figure in FIGURES {
         let svg = String::from_utf8(place.read(&format!("out/report/{figure}.svg"))).unwrap();
         assert!(!svg.contains("<script>") && !svg.contains('\u{1b}'), "{figure}");
@@ -507,9 +507,14 @@ fn canonical(value: &Value) -> String {
 
 /// Results as another version would have left them, by the description of the format alone.
 fn made_by_another_version(place: &Place, version: &str) {
+    made_with(place, |manifest| manifest["smalti"] = version.into());
+}
+
+/// Results with another manifest, sealed again.
+fn made_with(place: &Place, change: impl FnOnce(&mut Value)) {
     let mut manifest: Value = serde_json::from_slice(&place.read("out/manifest.json")).unwrap();
     let old = manifest["plan_blake3"].as_str().unwrap().to_owned();
-    manifest["smalti"] = version.into();
+    change(&mut manifest);
     let hashed = ["smalti", "revision", "trials", "chunk", "schema", "study"];
     let plan: serde_json::Map<_, _> = hashed.iter().map(|k| ((*k).to_owned(), manifest[k].clone())).collect();
     let new = blake3::hash(canonical(&Value::Object(plan)).as_bytes()).to_hex().to_string();
@@ -546,6 +551,23 @@ fn results_of_another_version_are_shown_and_not_continued() {
     assert_eq!(theirs["studies"][0]["scored_by"], "0.0.9");
     let refused = place.run(&["sweep", "tiny.toml", "-o", "out"]);
     assert!(refused.code == 1 && refused.err.contains("0.0.9"), "{}", refused.err);
+}
+
+/// A machine whose last bits differ neither continues results nor adds shards to them; it can report them.
+#[test]
+fn results_of_a_machine_with_other_arithmetic_are_shown_and_not_continued() {
+    let place = swept();
+    let own = place.json("out/manifest.json")["study"]["arithmetic"].as_str().unwrap().to_owned();
+    assert_eq!(own, smalti::numeric::arithmetic());
+    made_with(&place, |manifest| manifest["study"]["arithmetic"] = "0123456789abcdef".into());
+    place.ok("report out -o theirs");
+    place.ok("sweep tiny.toml -o mine");
+    for words in ["sweep tiny.toml -o out", "sweep --merge out mine -o both"] {
+        let refused = place.run(&words.split(' ').collect::<Vec<_>>());
+        let [theirs, ours] = ["\"0123456789abcdef\"".to_owned(), format!("{own:?}")];
+        assert!(refused.code == 1 && refused.err.contains("arithmetic: "), "{words}: {}", refused.err);
+        assert!(refused.err.contains(&theirs) && refused.err.contains(&ours), "{words}: {}", refused.err);
+    }
 }
 
 #[test]

@@ -1,13 +1,12 @@
 //! Merging of the folders of shards.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use super::error::DatasetError;
 use super::read::Dataset;
 use super::run::Run;
 use super::{folder, part};
-use crate::IoError;
+use crate::file;
 
 /// Merges the folders of one plan into the folder `into`. The result equals that of a whole run, except for the runs in the manifest. An
 /// interrupted merge can be resumed, and `into` may be one of the folders.
@@ -64,7 +63,7 @@ pub fn merge(from: &[PathBuf], into: &Path) -> Result<(), DatasetError> {
 
 /// Reads the bytes of a part and checks them.
 fn read(path: &Path, manifest: &super::Manifest, chunk: u64) -> Result<Vec<u8>, DatasetError> {
-    let bytes = fs::read(path).map_err(IoError::reading(path))?;
+    let bytes = file::read(path, part::LIMIT)?;
     part::part_from_bytes(bytes.clone(), path, manifest, chunk, &[])?;
     Ok(bytes)
 }

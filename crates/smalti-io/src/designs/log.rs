@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use smalti::design::light::LightStatistics;
 use smalti::experiment::{DesignStore, DesignTask, KeptFind};
 
-use crate::{IoError, write};
+use crate::{IoError, text, write};
 
 /// The name of the log in the folder of a design.
 pub const SEARCH_LOG: &str = "search.jsonl";
@@ -60,7 +60,7 @@ impl SearchLog {
     pub fn open(dir: &Path, task: &str) -> Result<Self, IoError> {
         let path = dir.join(SEARCH_LOG);
         let task = task_hash(task);
-        let known = std::fs::read_to_string(&path).map(|text| read(&text, &task)).unwrap_or_default();
+        let known = text::read_to_string(&path).map(|text| read(&text, &task)).unwrap_or_default();
         write::begin_folder(dir, &[])?;
         let header = Header { format: FORMAT.into(), task };
         let mut lines = line(&header);

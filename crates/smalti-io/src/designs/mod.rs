@@ -17,6 +17,7 @@ use smalti::design::search::{
 };
 use smalti::design::{Design, DesignError, MosaicFamily};
 use smalti::experiment::DesignTask;
+use smalti::names::steers;
 
 use crate::camera_toml::Override;
 use crate::cameras::{read_curve, tell};
@@ -174,6 +175,11 @@ pub fn load(name: &str) -> Result<LoadedDesign, Box<Diagnostic>> {
     let study = || "this is the file of a study or a camera; smalti sweep takes studies".to_owned();
     let file: DesignFile = source.parse_or_tell(&["optics", "sensor", "sample", "metrics"], study)?;
     let wrong = |key: &str, message: &str| Box::new(source.about_key(key, message));
+    // It names the cameras that are found.
+    if let Some(c) = file.name.iter().flat_map(|name| name.chars()).find(|&c| steers(c)) {
+        let found = format!("it contains the control character U+{:04X}", u32::from(c));
+        return Err(wrong("name", &format!("{found}; expected a name in one line")));
+    }
     let mut notes = Vec::new();
     let mut filters = file.filters.clone();
     if let Some((library, curves)) = filters.library_mut() {

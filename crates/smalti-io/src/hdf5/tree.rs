@@ -19,6 +19,8 @@ pub(crate) const FORMAT: &str = "HDF5";
 // Registered identifiers of filters.
 const DEFLATE: u16 = 1;
 const SHUFFLE: u16 = 2;
+/// Attributes that decide what the numbers of a dataset are.
+const MEANINGFUL: [&str; 4] = ["quantity", "comment", "units", "MATLAB_class"];
 // Longer ones are no names of things.
 const MAX_TEXT_BYTES: u64 = 1 << 20;
 
@@ -41,7 +43,13 @@ pub(crate) struct Members {
 /// The root group of a file.
 pub(crate) fn open(source: Shared<'static>, path: &Path, limits: Limits) -> Result<Members, IoError> {
     let context = Context { source: Arc::clone(&source), limits, path: path.to_owned() };
+    let have = source.len();
     let file = hdf5_pure::File::from_source(Positioned(source)).map_err(|e| context.decode(e))?;
+    // Without this, what lies behind the end of the file would be missing in silence, such as an attribute with the quantity.
+    let need = file.superblock().eof_address;
+    if need > have {
+        return Err(IoError::truncated(path, "what the superblock states", need, have));
+    }
     context.members(file.root())
 }
 
@@ -109,6 +117,22 @@ impl Context {
     fn value(&self, dataset: &Dataset, follow: bool) -> Result<Value, IoError> {
         let decode = |e| self.decode(e);
         let attributes = dataset.attrs().map_err(decode)?;
+        // The crate omits an attribute whose value it cannot find; the file would then mean something else.
+        for name in MEANINGFUL {
+            let is_text = |datatype: &Datatype| {
+                matches!(datatype, Datatype::String { .. } | Datatype::VariableLength { is_string: true, .. })
+            };
+            if !attributes.contains_key(name)
+                && dataset.attr_datatypes().map_err(decode)?.get(name).is_some_and(is_text)
+            {
+                return Err(IoError::field(
+                    &self.path,
+                    format!("the attribute '{name}'"),
+                    "unreadable",
+                    "a text",
+                ));
+            }
+        }
         let class = attributes.get("MATLAB_class").and_then(AttrValue::as_str).map(str::to_owned);
         // An empty array is stored as the list of its dimensions.
         if attributes.contains_key("MATLAB_empty") {

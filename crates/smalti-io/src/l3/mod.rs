@@ -22,7 +22,9 @@ mod table;
 
 pub use c_header::{Operations, c_prefix, operations, write_c_header};
 pub use npz::write_npz;
+pub(crate) use statistics::statistics_pieces;
 pub use statistics::{read_statistics, statistics_from_bytes, write_statistics};
+pub(crate) use table::table_pieces;
 pub use table::{read_table, table_from_bytes, write_table};
 
 /// What a file of another kind is not.

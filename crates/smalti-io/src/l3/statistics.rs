@@ -19,6 +19,15 @@ const VERSION: &str = "1";
 /// # Errors
 /// [`IoError::Write`].
 pub fn write_statistics(path: &Path, statistics: &Statistics) -> Result<(), IoError> {
+    content(statistics).write(path)
+}
+
+/// The bytes of the file in pieces.
+pub(crate) fn statistics_pieces(statistics: &Statistics) -> Result<Vec<Vec<u8>>, IoError> {
+    content(statistics).into_pieces(Path::new("statistics"))
+}
+
+fn content(statistics: &Statistics) -> Content {
     let axes = statistics.axes();
     let mut content = Content::default();
     content.text("format", FORMAT);
@@ -39,7 +48,7 @@ pub fn write_statistics(path: &Path, statistics: &Statistics) -> Result<(), IoEr
     let triangle = triangle(axes.taps(), statistics.outputs().len());
     let sums = classes.values().flat_map(|m| m.sums().iter().copied());
     content.tensor("sums", &[classes.len(), triangle], sums);
-    content.write(path)
+    content
 }
 
 /// Entries on and above the diagonal of the moments.

@@ -22,6 +22,11 @@ pub fn write_table(path: &Path, pipeline: &Pipeline) -> Result<(), IoError> {
     content(pipeline).write(path)
 }
 
+/// The bytes of the file in pieces.
+pub(crate) fn table_pieces(pipeline: &Pipeline) -> Result<Vec<Vec<u8>>, IoError> {
+    content(pipeline).into_pieces(Path::new("pipeline"))
+}
+
 /// Strings and arrays of a pipeline, as `docs/formats-l3.md` lists them.
 pub(super) fn content(pipeline: &Pipeline) -> Content {
     let axes = pipeline.axes();

@@ -18,7 +18,7 @@ use smalti::scene::{Scene, Setting};
 use smalti::spectrum::Illuminant;
 
 use crate::error::At;
-use crate::{IoError, bands, envi, exr, hdf5, matlab, npz, picture, spectral_tiff};
+use crate::{IoError, bands, envi, exr, hdf5, matlab, memory, npz, picture, spectral_tiff};
 
 pub use crop::Crop;
 pub use spectral::{Quantity, ReadOptions, SpectralFile};
@@ -102,6 +102,12 @@ fn extension(path: &Path) -> Option<String> {
 /// When the header cannot be read or is not valid, or the options state how a picture is upsampled and the file holds spectra.
 pub fn open(path: &Path, options: &ReadOptions) -> Result<Option<Box<dyn Tiles>>, IoError> {
     let tiles = spectral_tiles(path, options)?;
+    if let Some(Header { rows, cols, .. }) = tiles.as_ref().map(|t| t.header())
+        && (*rows == 0 || *cols == 0)
+    {
+        let found = format!("of {rows} rows and {cols} columns");
+        return Err(IoError::field(path, "the image", found, "at least one row and one column"));
+    }
     match options.upsampling {
         Some(upsampling) if tiles.is_some() => Err(IoError::field(
             path,
@@ -148,6 +154,8 @@ pub fn read(path: &Path, setting: &Setting, options: &ReadOptions) -> Result<Sce
         Some(spectral) => SpectralFile { name, ..spectral },
         None => upsampled(path, name, setting, options)?,
     };
+    // Light is put on it in a second cube.
+    memory::ensure_available(path, "the scene", Header::of(&file).decoded_bytes())?;
     file.into_scene(&Setting { illuminant: Illuminant::D65, ..setting.clone() })
 }
 
@@ -172,6 +180,9 @@ fn upsampled(
             "a pixel that is not black, since a scene without light cannot be scaled to a luminance";
         return Err(IoError::field(path, "every pixel of the picture", "0".to_owned(), expected));
     }
+    let pixels = (image.rows() as u64).saturating_mul(image.cols() as u64);
+    let bytes = pixels.saturating_mul(setting.grid.len() as u64).saturating_mul(4);
+    options.limits.check_memory(path, "the cube of spectra of the picture", bytes)?;
     let cube = options.upsampling.unwrap_or_default().spectra(&image, setting.grid).at(path)?;
     Ok(SpectralFile {
         name,
@@ -181,4 +192,37 @@ fn upsampled(
         distance_m: None,
         horizontal_fov_deg: None,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use smalti::numeric::Planes;
+
+    use super::*;
+    use crate::Limits;
+
+    /// A picture is small, and its spectra are not.
+    #[test]
+    fn the_spectra_of_a_picture_are_limited() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a.png");
+        let planes = Planes::new(50, 50, 3, vec![0.5; 7500]).unwrap();
+        picture::write_png(&path, &Image::new(ColorSpace::Srgb, planes).unwrap(), picture::Depth::Eight)
+            .unwrap();
+        // 50 × 50 pixels of 31 wavelengths in single precision take 310 000 bytes.
+        let read = |decoded_bytes, crop| {
+            let limits = Limits { decoded_bytes, ..Limits::default() };
+            read(&path, &Setting::default(), &ReadOptions { limits, crop, ..ReadOptions::default() })
+        };
+        let error = read(309_999, None).unwrap_err().to_string();
+        assert!(
+            error.ends_with(
+                "the cube of spectra of the picture takes 310000 bytes; at most 309999 are allowed"
+            ),
+            "{error}"
+        );
+        read(310_000, None).unwrap();
+        // The part alone counts.
+        read(309_999, Some(Crop { row: 0, col: 0, rows: 10, cols: 10 })).unwrap();
+    }
 }

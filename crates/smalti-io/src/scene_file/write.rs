@@ -12,7 +12,7 @@ use super::{Format, extension};
 use crate::envi::Interleave;
 use crate::error::At;
 use crate::file::{Negative, sample};
-use crate::{IoError, Limits, envi, exr, hdf5, matlab, npz, spectral_tiff};
+use crate::{IoError, Limits, envi, exr, hdf5, matlab, memory, npz, spectral_tiff};
 
 /// Choices that formats leave.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -59,7 +59,9 @@ pub fn write(path: &Path, image: &dyn Tiles, options: &WriteOptions) -> Result<V
                 let (path, grid) = (path.display(), header.grid);
                 notes.push(format!("{path} holds the spectrum at {grid}, linear between the bands"));
             }
-            // Images that do not fit into memory have been refused before.
+            // These formats are written from memory. The file states the size, and no other limit holds.
+            let stated = header.decoded_bytes().saturating_mul(copies(whole));
+            memory::ensure_available(path, "the image and its encoding", stated)?;
             let limits = Limits { decoded_bytes: u64::MAX, ..Limits::default() };
             let file = load(image, path, &ReadOptions { limits, ..ReadOptions::default() })?;
             match whole {
@@ -75,6 +77,14 @@ pub fn write(path: &Path, image: &dyn Tiles, options: &WriteOptions) -> Result<V
         }
     }
     Ok(notes)
+}
+
+/// How often the samples of an image are in memory at once while it is written, at most; a test of this crate counts.
+fn copies(format: Format) -> u64 {
+    match format {
+        Format::Mat => 4,
+        _ => 3,
+    }
 }
 
 /// An image with facts other than its own.

@@ -17,6 +17,7 @@ use std::time::Instant;
 use serde_json::json;
 use smalti::design::{Metric, MetricTarget, SCORES_REVISION, Sweep, TrialProcessing, Trials};
 use smalti::experiment::{self, ExperimentError, Progress};
+use smalti::numeric::arithmetic;
 use thiserror::Error;
 
 use crate::dataset::{self, Column, Dataset, DatasetError, MAX_CHUNK, MAX_PARTS, Manifest, Plan, Run, Shard};
@@ -87,6 +88,8 @@ pub fn plan_after(
     if let Some(into) = resolved.as_object_mut() {
         into.insert("about".into(), about.into());
         into.insert("scores_revision".into(), SCORES_REVISION.into());
+        // Parts of machines whose last bits differ would not be the same, byte for byte.
+        into.insert("arithmetic".into(), arithmetic().into());
     }
     let plan = Plan { study: resolved, schema: schema(study), trials: trials.len(), chunk };
     // An impossible study is refused before the first trial is scored.

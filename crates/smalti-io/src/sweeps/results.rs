@@ -79,7 +79,7 @@ pub fn read_trials(dataset: &Dataset) -> Result<Trials, ResultsError> {
         Study::deserialize(&plan.study).map_err(|source| ResultsError::Study { dir: dir(), source })?;
     let trials = Trials::new(study).map_err(|e| ResultsError::Trials { dir: dir(), source: Box::new(e) })?;
     if trials.len() != plan.trials {
-        let smalti = dataset.manifest().smalti.replace(char::is_control, " ");
+        let smalti = smalti::names::in_one_line(&dataset.manifest().smalti).into_owned();
         return Err(ResultsError::Count { dir: dir(), here: trials.len(), stated: plan.trials, smalti });
     }
     Ok(trials)

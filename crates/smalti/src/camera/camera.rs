@@ -40,6 +40,7 @@ impl Camera {
     /// # Errors
     /// For the first invalid key, with its name, its value and the expected range.
     pub fn new(mut description: CameraDescription, grid: WavelengthGrid) -> Result<Self, CameraError> {
+        resolve::name(&description)?;
         resolve::electrons_to_volts(&mut description.sensor)?;
         let (exposure_time, analog_gain, analog_offset_v) = resolve::exposure(&description)?;
         Ok(Self {

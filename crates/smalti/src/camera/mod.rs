@@ -20,6 +20,7 @@ mod identity;
 mod light_gain;
 mod patch_scores;
 mod photograph;
+mod ranges;
 mod reference;
 mod resolve;
 mod score;
@@ -49,6 +50,7 @@ pub use light_gain::{
 };
 pub use patch_scores::{GreyScores, PatchScores};
 pub use photograph::Photograph;
+pub use ranges::{KEY_RANGES, KeyRange};
 pub use score::{PICTURE_METRICS, PictureScores, ScoreSettings, score_picture};
 pub use test_scene::TestScene;
 pub use training::{LevelRule, TrainingSettings, TrainingTarget};

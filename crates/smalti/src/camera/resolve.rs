@@ -5,6 +5,9 @@ use super::description::{
     ArchitectureName, AutoExposureName, BinningDescription, CameraDescription, ConversionGainName,
     FILTER_TABLE, OpticsDescription, OpticsModelName, PatternDescription, SensorDescription,
 };
+use super::ranges::{checked, checked_as};
+use crate::names::steers;
+use crate::numeric::Number;
 use crate::optics::{
     BirefringentLowPass, ChromaticFocus, Defocus, Optics, OpticsModel, Padding, PsfStack, Transmittance,
     Wavefront, WavefrontUnit, ZernikeMode,
@@ -27,24 +30,6 @@ fn key(key: &str, message: impl std::fmt::Display) -> CameraError {
     CameraError::Key { key: key.into(), message: message.to_string() }
 }
 
-/// Checks that a value lies within `low..=high`; NaN does not.
-fn within(name: &str, value: f64, low: f64, high: f64) -> Result<f64, CameraError> {
-    if value >= low && value <= high {
-        Ok(value)
-    } else {
-        Err(key(name, format_args!("{value} is out of range; expected {low} to {high}")))
-    }
-}
-
-/// Checks that a value is above 0 and at most `high`.
-fn positive(name: &str, value: f64, high: f64) -> Result<f64, CameraError> {
-    if value > 0.0 && value <= high {
-        Ok(value)
-    } else {
-        Err(key(name, format_args!("{value} is out of range; expected more than 0 and at most {high}")))
-    }
-}
-
 fn curve(name: &str, filter: &Filter, grid: WavelengthGrid) -> Result<Spectrum, CameraError> {
     let spectrum = filter.spectrum(grid).map_err(|e| key(name, e))?;
     match spectrum.values().iter().position(|v| !(-1e-3..=1.001).contains(v)) {
@@ -56,11 +41,25 @@ fn curve(name: &str, filter: &Filter, grid: WavelengthGrid) -> Result<Spectrum, 
     }
 }
 
+/// Checks that a name can be shown in one line.
+pub(super) fn name(d: &CameraDescription) -> Result<(), CameraError> {
+    match d.name.chars().find(|&c| steers(c)) {
+        None => Ok(()),
+        Some(c) => Err(key(
+            "name",
+            format_args!(
+                "it contains the control character U+{:04X}; expected a name in one line",
+                u32::from(c)
+            ),
+        )),
+    }
+}
+
 /// The lens of a description, its curves on a wavelength grid.
 pub(super) fn optics(d: &OpticsDescription, grid: WavelengthGrid) -> Result<Optics, CameraError> {
-    let focal_length_m = positive("optics.focal_length_mm", d.focal_length_mm, 1e5)? * 1e-3;
-    let f_number = positive("optics.f_number", d.f_number, 1e3)?;
-    let separation_um = within("optics.low_pass_separation_um", d.low_pass_separation_um, 0.0, 1e3)?;
+    let focal_length_m = checked("optics.focal_length_mm", d.focal_length_mm)? * 1e-3;
+    let f_number = checked("optics.f_number", d.f_number)?;
+    let separation_um = checked("optics.low_pass_separation_um", d.low_pass_separation_um)?;
     Ok(Optics {
         model: model(d)?,
         falloff: d.falloff,
@@ -76,12 +75,12 @@ pub(super) fn optics(d: &OpticsDescription, grid: WavelengthGrid) -> Result<Opti
 }
 
 fn model(d: &OpticsDescription) -> Result<OpticsModel, CameraError> {
-    let defocus = match within("optics.defocus_dioptres", d.defocus_dioptres, -1e4, 1e4)? {
+    let defocus = match checked("optics.defocus_dioptres", d.defocus_dioptres)? {
         0.0 => Defocus::None,
         dioptres => Defocus::Dioptres(dioptres),
     };
-    let reference_nm = positive("optics.chromatic_reference_nm", d.chromatic_reference_nm, 1e5)?;
-    let slope = within("optics.chromatic_dioptres_per_um", d.chromatic_dioptres_per_um, -1e4, 1e4)?;
+    let reference_nm = checked("optics.chromatic_reference_nm", d.chromatic_reference_nm)?;
+    let slope = checked("optics.chromatic_dioptres_per_um", d.chromatic_dioptres_per_um)?;
     let chromatic = match slope {
         0.0 => ChromaticFocus::None,
         _ => ChromaticFocus::Linear { reference_nm, dioptres_per_nm: slope * 1e-3 },
@@ -104,6 +103,7 @@ fn wavefront(d: &OpticsDescription) -> Result<Wavefront, CameraError> {
     let term = |(number, &um): (&String, &f64)| {
         let name = format!("optics.zernike_um.{number}");
         let parsed = number.parse().map_err(|_| key(&name, "the key is the number of a Zernike mode"))?;
+        let um = checked_as("optics.zernike_um", &name, um)?;
         Ok((ZernikeMode::from_index(d.zernike_ordering, parsed).map_err(|e| key(&name, e))?, um))
     };
     let terms = d.zernike_um.iter().map(term).collect::<Result<Vec<_>, CameraError>>()?;
@@ -117,15 +117,22 @@ fn psf(d: &OpticsDescription) -> Result<PsfStack, CameraError> {
         .planes
         .clone()
         .ok_or_else(|| key("optics.psf.file", format_args!("'{}' has not been read", psf.file)))?;
-    let spacing_m = positive("optics.psf.spacing_um", psf.spacing_um, 1e4)? * 1e-6;
+    let spacing_m = checked("optics.psf.spacing_um", psf.spacing_um)? * 1e-6;
+    let start_nm = checked("optics.psf.start_nm", psf.start_nm)?;
+    let step_nm = checked("optics.psf.step_nm", psf.step_nm)?;
     let made = if planes.count() == 1 {
         PsfStack::achromatic(planes.rows(), planes.cols(), planes.into_data(), spacing_m)
     } else {
-        let grid = WavelengthGrid::new(psf.start_nm, psf.step_nm, planes.count())
-            .map_err(|e| key("optics.psf", e))?;
+        let grid =
+            WavelengthGrid::new(start_nm, step_nm, planes.count()).map_err(|e| key("optics.psf", e))?;
         PsfStack::new(grid.wavelengths_nm().collect(), planes, spacing_m)
     };
     made.map_err(|e| key("optics.psf.file", e))
+}
+
+/// The error of a quantity that was stated in electrons and is out of range in volts.
+fn in_volts(name: &str, electrons: f64, error: &CameraError) -> CameraError {
+    key(name, format_args!("{} electrons are too many: {error}", Number(electrons)))
 }
 
 /// Converts quantities in electrons to volts at the pixel, so that equal cameras have equal descriptions.
@@ -135,26 +142,36 @@ fn psf(d: &OpticsDescription) -> Result<PsfStack, CameraError> {
 pub(super) fn electrons_to_volts(d: &mut SensorDescription) -> Result<(), CameraError> {
     let p = &mut d.pixel;
     let quantities = [
-        ("sensor.dsnu_e", d.dsnu_e.take(), &mut d.dsnu_mv, 1e-3),
+        ("sensor.dsnu_e", "sensor.dsnu_mv", d.dsnu_e.take(), &mut d.dsnu_mv, 1e-3),
         (
             "sensor.pixel.dark_current_e_per_s",
+            "sensor.pixel.dark_voltage_v_per_s",
             p.dark_current_e_per_s.take(),
             &mut p.dark_voltage_v_per_s,
             1e-6,
         ),
-        ("sensor.pixel.read_noise_e", p.read_noise_e.take(), &mut p.read_noise_mv, 1e-3),
+        (
+            "sensor.pixel.read_noise_e",
+            "sensor.pixel.read_noise_mv",
+            p.read_noise_e.take(),
+            &mut p.read_noise_mv,
+            1e-3,
+        ),
     ];
-    for (name, electrons, volts, per_microvolt) in quantities {
+    for (name, volts_name, electrons, volts, per_microvolt) in quantities {
         if let Some(electrons) = electrons {
-            let gain_uv = positive("sensor.pixel.conversion_gain_uv_per_e", p.conversion_gain_uv_per_e, 1e6)?;
-            *volts = within(name, electrons, 0.0, 1e6)? * gain_uv * per_microvolt;
+            let gain_uv = checked("sensor.pixel.conversion_gain_uv_per_e", p.conversion_gain_uv_per_e)?;
+            let value = checked(name, electrons)? * gain_uv * per_microvolt;
+            *volts = checked(volts_name, value).map_err(|e| in_volts(name, electrons, &e))?;
         }
     }
     if let Some(electrons) = p.low_gain_read_noise_e.take() {
         let name = "sensor.pixel.low_gain_read_noise_e";
         let gain_uv = p.low_conversion_gain_uv_per_e.ok_or_else(|| key(name, NO_LOW_GAIN))?;
-        let gain_uv = positive("sensor.pixel.low_conversion_gain_uv_per_e", gain_uv, 1e6)?;
-        p.low_gain_read_noise_mv = Some(within(name, electrons, 0.0, 1e6)? * gain_uv * 1e-3);
+        let gain_uv = checked("sensor.pixel.low_conversion_gain_uv_per_e", gain_uv)?;
+        let mv = checked(name, electrons)? * gain_uv * 1e-3;
+        let mv = checked("sensor.pixel.low_gain_read_noise_mv", mv);
+        p.low_gain_read_noise_mv = Some(mv.map_err(|e| in_volts(name, electrons, &e))?);
     }
     Ok(())
 }
@@ -162,47 +179,40 @@ pub(super) fn electrons_to_volts(d: &mut SensorDescription) -> Result<(), Camera
 /// The sensor of a description, its curves on a wavelength grid.
 pub(super) fn sensor(d: &SensorDescription, grid: WavelengthGrid) -> Result<Sensor, CameraError> {
     let p = &d.pixel;
-    let well_v = positive("sensor.pixel.full_well_e", p.full_well_e, 1e9)?;
+    let well_v = checked("sensor.pixel.full_well_e", p.full_well_e)?;
     let pixel = Pixel {
-        pitch_m: positive("sensor.pixel.pitch_um", p.pitch_um, 1e3)? * 1e-6,
-        fill_factor: positive("sensor.pixel.fill_factor", p.fill_factor, 1.0)?,
-        conversion_gain_v_per_e: positive(
+        pitch_m: checked("sensor.pixel.pitch_um", p.pitch_um)? * 1e-6,
+        fill_factor: checked("sensor.pixel.fill_factor", p.fill_factor)?,
+        conversion_gain_v_per_e: checked(
             "sensor.pixel.conversion_gain_uv_per_e",
             p.conversion_gain_uv_per_e,
-            1e6,
         )? * 1e-6,
-        voltage_swing_v: positive("sensor.pixel.voltage_swing_v", p.voltage_swing_v, 1e3)?,
+        voltage_swing_v: checked("sensor.pixel.voltage_swing_v", p.voltage_swing_v)?,
         full_well_e: well_v,
-        dark_voltage_v_per_s: within("sensor.pixel.dark_voltage_v_per_s", p.dark_voltage_v_per_s, 0.0, 1e3)?,
-        read_noise_v: within("sensor.pixel.read_noise_mv", p.read_noise_mv, 0.0, 1e5)? * 1e-3,
+        dark_voltage_v_per_s: checked("sensor.pixel.dark_voltage_v_per_s", p.dark_voltage_v_per_s)?,
+        read_noise_v: checked("sensor.pixel.read_noise_mv", p.read_noise_mv)? * 1e-3,
     };
-    let temperature_c = within("sensor.pixel.temperature_c", p.temperature_c, -200.0, 200.0)?;
-    let interval_k = within("sensor.pixel.dark_doubling_c", p.dark_doubling_c, 1.0, 100.0)?;
+    let temperature_c = checked("sensor.pixel.temperature_c", p.temperature_c)?;
+    let interval_k = checked("sensor.pixel.dark_doubling_c", p.dark_doubling_c)?;
     let nonuniformity = NonUniformity {
-        prnu_fraction: within("sensor.prnu_percent", d.prnu_percent, 0.0, 100.0)? * 1e-2,
-        dsnu_v: within("sensor.dsnu_mv", d.dsnu_mv, 0.0, 1e5)? * 1e-3,
-        row_noise_v: within("sensor.row_noise_mv", d.row_noise_mv, 0.0, 1e5)? * 1e-3,
-        column_noise_v: within("sensor.column_noise_mv", d.column_noise_mv, 0.0, 1e5)? * 1e-3,
-        dead_pixel_fraction: within("sensor.dead_pixels_ppm", d.dead_pixels_ppm, 0.0, 1e6)? * 1e-6,
-        hot_pixel_fraction: within("sensor.hot_pixels_ppm", d.hot_pixels_ppm, 0.0, 1e6)? * 1e-6,
-        hot_pixel_dark_voltage_v_per_s: within(
+        prnu_fraction: checked("sensor.prnu_percent", d.prnu_percent)? * 1e-2,
+        dsnu_v: checked("sensor.dsnu_mv", d.dsnu_mv)? * 1e-3,
+        row_noise_v: checked("sensor.row_noise_mv", d.row_noise_mv)? * 1e-3,
+        column_noise_v: checked("sensor.column_noise_mv", d.column_noise_mv)? * 1e-3,
+        dead_pixel_fraction: checked("sensor.dead_pixels_ppm", d.dead_pixels_ppm)? * 1e-6,
+        hot_pixel_fraction: checked("sensor.hot_pixels_ppm", d.hot_pixels_ppm)? * 1e-6,
+        hot_pixel_dark_voltage_v_per_s: checked(
             "sensor.hot_pixel_dark_voltage_v_per_s",
             d.hot_pixel_dark_voltage_v_per_s,
-            0.0,
-            1e3,
         )?,
         device_serial: d.serial,
     };
-    if d.adc_bits > 16 {
-        return Err(key(
-            "sensor.adc_bits",
-            format_args!("{} is out of range; expected 0 (none) to 16", d.adc_bits),
-        ));
-    }
-    let adc = Adc { bits: d.adc_bits, black_level_dn: d.black_level_dn };
+    checked("sensor.adc_bits", d.adc_bits.into())?;
+    let black_level_dn = checked("sensor.black_level_dn", d.black_level_dn)?;
+    let adc = Adc { bits: d.adc_bits, black_level_dn };
     adc.validate().map_err(|e| key("sensor.black_level_dn", e))?;
     // A quarter of the crosstalk goes to each of the four neighbours that share an edge.
-    let leak = within("sensor.crosstalk_percent", d.crosstalk_percent, 0.0, 100.0)? * 1e-2;
+    let leak = checked("sensor.crosstalk_percent", d.crosstalk_percent)? * 1e-2;
     let side = leak / 4.0;
     let cfa = color_filter_array(d, grid)?;
     let binning = d.binning.map(|binning| self::binning(d, binning, &cfa)).transpose()?;
@@ -234,9 +244,8 @@ pub(super) fn sensor(d: &SensorDescription, grid: WavelengthGrid) -> Result<Sens
         None => sensor,
     };
     sensor.validate().map_err(|e| match e {
-        SensorError::Empty { .. } | SensorError::TooLarge { .. } => {
-            key(if d.cols > d.rows || d.cols == 0 { "sensor.cols" } else { "sensor.rows" }, e)
-        }
+        SensorError::Empty { .. } => key(if d.rows == 0 { "sensor.rows" } else { "sensor.cols" }, e),
+        SensorError::TooLarge { .. } => key(if d.cols > d.rows { "sensor.cols" } else { "sensor.rows" }, e),
         other => key("sensor", other),
     })?;
     Ok(sensor)
@@ -338,7 +347,7 @@ fn mixed(d: &SensorDescription, lines: &[String], filters: &[(char, Spectrum)]) 
                     let part = single_letter(&name, part)?;
                     let at = filters.iter().position(|(f, _)| *f == part);
                     let at = at.ok_or_else(|| key(&name, format_args!("no filter is called '{part}'")))?;
-                    weights[at] = within(&name, weight, 0.0, 1.0)?;
+                    weights[at] = checked_as("sensor.cfa.mixtures", &name, weight)?;
                 }
             }
             None => match filters.iter().position(|(f, _)| *f == letter) {
@@ -364,7 +373,7 @@ fn mixed(d: &SensorDescription, lines: &[String], filters: &[(char, Spectrum)]) 
 fn single_letter(name: &str, text: &str) -> Result<char, CameraError> {
     let mut chars = text.chars();
     match (chars.next(), chars.next()) {
-        (Some(letter), None) => Ok(letter),
+        (Some(letter), None) if !steers(letter) => Ok(letter),
         _ => Err(key(name, format_args!("'{text}' is not a single letter"))),
     }
 }
@@ -376,12 +385,16 @@ impl CameraDescription {
     /// When the key is not a uniform grid of at most 100000 wavelengths.
     pub fn grid(&self) -> Result<WavelengthGrid, CameraError> {
         let Some([start, step, end]) = self.wavelengths_nm else { return Ok(WavelengthGrid::VISIBLE) };
+        let is_nm = |nm| checked("wavelengths_nm", nm).is_ok();
         let steps = ((end - start) / step).round();
-        if !(0.0..=1e5).contains(&steps) {
+        if !(is_nm(start) && is_nm(end) && (1.0..=1e5).contains(&steps)) {
             return Err(key(
                 "wavelengths_nm",
                 format_args!(
-                    "[{start}, {step}, {end}]; expected [first, step, last] in nm, such as [400, 10, 700]"
+                    "[{}, {}, {}]; expected [first, step, last] in nm, such as [400, 10, 700]",
+                    Number(start),
+                    Number(step),
+                    Number(end)
                 ),
             ));
         }
@@ -418,7 +431,7 @@ pub(super) fn conversion_gain(d: &CameraDescription) -> Result<GainChoice, Camer
         Some(uv) => {
             let (name, high_uv) =
                 ("sensor.pixel.low_conversion_gain_uv_per_e", pixel.conversion_gain_uv_per_e);
-            positive(name, uv, 1e6)?;
+            checked(name, uv)?;
             // A ratio of 1024 is ten more bits.
             if uv >= high_uv || uv * LowGain::MAX_RATIO < high_uv {
                 let expected =
@@ -426,7 +439,7 @@ pub(super) fn conversion_gain(d: &CameraDescription) -> Result<GainChoice, Camer
                 return Err(key(name, format_args!("{uv} is out of range; {expected}")));
             }
             let noise_mv = pixel.low_gain_read_noise_mv.unwrap_or(pixel.read_noise_mv);
-            let noise_mv = within("sensor.pixel.low_gain_read_noise_mv", noise_mv, 0.0, 1e5)?;
+            let noise_mv = checked("sensor.pixel.low_gain_read_noise_mv", noise_mv)?;
             Some(LowGain { conversion_gain_v_per_e: uv * 1e-6, read_noise_v: noise_mv * 1e-3 })
         }
     };
@@ -447,24 +460,23 @@ pub(super) fn conversion_gain(d: &CameraDescription) -> Result<GainChoice, Camer
 /// The exposure of a description: time or rule, analog gain, analog offset in V.
 pub(super) fn exposure(d: &CameraDescription) -> Result<(ExposureTime, f64, f64), CameraError> {
     let e = &d.exposure;
-    let gain = positive("exposure.analog_gain", e.analog_gain, 1e6)?;
-    let offset_v = within("exposure.analog_offset_mv", e.analog_offset_mv, -1e5, 1e5)? * 1e-3;
-    let target = |default: f64| match e.auto_target {
-        Some(t) => positive("exposure.auto_target", t, 1.0),
-        None => Ok(default),
-    };
+    let gain = checked("exposure.analog_gain", e.analog_gain)?;
+    let offset_v = checked("exposure.analog_offset_mv", e.analog_offset_mv)? * 1e-3;
+    // Also where the rule is another: the file would state nonsense.
+    let stated = e.auto_target.map(|t| checked("exposure.auto_target", t)).transpose()?;
+    let target = |default: f64| stated.unwrap_or(default);
+    let percentile = checked("exposure.auto_percentile", e.auto_percentile)?;
     let time = match (e.time_ms, e.auto) {
         (Some(_), Some(_)) => return Err(key("exposure.auto", "give either time_ms or auto, not both")),
-        (Some(ms), None) => ExposureTime::Fixed(within("exposure.time_ms", ms, 0.0, 1e9)? * 1e-3),
+        (Some(ms), None) => ExposureTime::Fixed(checked("exposure.time_ms", ms)? * 1e-3),
         (None, None | Some(AutoExposureName::Specular)) => {
-            ExposureTime::Auto(AutoExposure::Specular { fraction: target(0.95)? })
+            ExposureTime::Auto(AutoExposure::Specular { fraction: target(0.95) })
         }
         (None, Some(AutoExposureName::Mean)) => {
-            ExposureTime::Auto(AutoExposure::Mean { target: target(0.18)? })
+            ExposureTime::Auto(AutoExposure::Mean { target: target(0.18) })
         }
         (None, Some(AutoExposureName::Luminance)) => {
-            let percentile = within("exposure.auto_percentile", e.auto_percentile, 0.0, 100.0)?;
-            ExposureTime::Auto(AutoExposure::LuminancePercentile { percentile, target: target(0.95)? })
+            ExposureTime::Auto(AutoExposure::LuminancePercentile { percentile, target: target(0.95) })
         }
     };
     Ok((time, gain, offset_v))
@@ -472,5 +484,5 @@ pub(super) fn exposure(d: &CameraDescription) -> Result<(ExposureTime, f64, f64)
 
 /// The noise that the fit of the colour matrix assumes, relative to the brightest white.
 pub(super) fn color_noise(d: &CameraDescription) -> Result<f64, CameraError> {
-    Ok(within("isp.color_noise_percent", d.isp.color_noise_percent, 0.0, 100.0)? * 1e-2)
+    Ok(checked("isp.color_noise_percent", d.isp.color_noise_percent)? * 1e-2)
 }

@@ -406,6 +406,33 @@ mod tests {
         }
     }
 
+    /// Zhang and Wandell 1997, table 1: weights with three decimals, of planes that sum to 0.918, 0.861 and 0.859, and spreads in
+    /// degrees, where a kernel has fallen to 1/e.
+    #[test]
+    fn the_kernels_are_those_of_the_paper() {
+        let paper: [(f64, &[(f64, f64)]); 3] = [
+            (0.918, &[(0.921, 0.0283), (0.105, 0.133), (-0.108, 4.336)]),
+            (0.861, &[(0.531, 0.0392), (0.330, 0.494)]),
+            (0.859, &[(0.488, 0.0536), (0.371, 0.386)]),
+        ];
+        // Many samples within the narrowest Gaussian.
+        let kernels = Scielab::new(400.0, DeltaE::Cie1976).kernels().unwrap();
+        for (kernel, (sum, stated)) in kernels.iter().zip(paper) {
+            assert_eq!(kernel.len(), stated.len());
+            let total: f32 = kernel.iter().map(|g| g.weight).sum();
+            assert!((total - 1.0).abs() < 1e-6, "{total}");
+            for (gaussian, &(weight, degrees)) in kernel.iter().zip(stated) {
+                let printed = f64::from(gaussian.weight) * sum;
+                assert!((printed - weight).abs() < 0.0006, "{printed} for {weight}");
+                // ln(h₀/hᵢ) = (i / σ)², of a sample near σ, or the last of half a degree.
+                let i = ((degrees * 400.0) as usize).min(gaussian.half.len() - 1);
+                let ratio = f64::from(gaussian.half[0]) / f64::from(gaussian.half[i]);
+                let sigma = i as f64 / ratio.ln().sqrt() / 400.0;
+                assert!((sigma / degrees - 1.0).abs() < 0.01, "{sigma} for {degrees}");
+            }
+        }
+    }
+
     #[test]
     fn a_fine_pattern_vanishes_and_a_coarse_one_stays() {
         let mean = grey(96, 96, |_, _| 50.0);

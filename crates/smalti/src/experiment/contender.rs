@@ -18,6 +18,7 @@ use crate::camera::{
 use crate::color::Image;
 use crate::isp::{Classic, Isp, WhiteBalance};
 use crate::l3::{L3Error, Pipeline, Quality, Training, peak_ratio_db};
+use crate::numeric::Number;
 use crate::sensor::RawImage;
 use crate::spectrum::{Illuminant, Spectrum};
 
@@ -156,7 +157,7 @@ impl<'a> Contender<'a> {
                 ),
                 _ => String::new(),
             };
-            ExperimentError::stage(format!("{} at {} cd/m²{matrix}", self.label, settings.luminance_cd_m2), e)
+            ExperimentError::stage(format!("{} at {} cd/m²{matrix}", self.label, Number(settings.luminance_cd_m2)), e)
         })
     }
 }
@@ -267,7 +268,7 @@ pub fn score_scene(
     progress: &dyn Progress,
 ) -> Result<ScoredScene, ExperimentError> {
     let integrated = IntegratedScene::new(setup.clone());
-    let scene = integrated.in_context(|| format!("{} at {} cd/m²", contender.name(), light.0))?;
+    let scene = integrated.in_context(|| format!("{} at {} cd/m²", contender.name(), Number(light.0)))?;
     score_integrated(contender, &scene, light, seeds, score, progress)
 }
 
@@ -289,7 +290,7 @@ pub(super) fn score_integrated(
         let fixed_point_psnr_db = fixed_point_psnr_db(contender, &light, &raw, &first.picture)?;
         Ok(ScoredScene { scores: first, by_seed: figures, fixed_point_psnr_db })
     };
-    scored().in_context(|| format!("{} at {luminance_cd_m2} cd/m²", contender.name()))
+    scored().in_context(|| format!("{} at {} cd/m²", contender.name(), Number(luminance_cd_m2)))
 }
 
 /// The scores of a contender on a scene at one luminance.

@@ -5,6 +5,7 @@ use super::contender::Contender;
 use super::error::StageContext;
 use super::{ExperimentError, ExposurePlan, Progress};
 use crate::camera::{CameraAndIsp, LightGainSettings, LightGains, light_gains};
+use crate::numeric::Number;
 use crate::spectrum::Spectrum;
 
 /// The light gain of a pair of contenders.
@@ -31,7 +32,8 @@ pub fn light_gain_between(
     let isp_b = |light: &Spectrum| b.isp(light, progress);
     let (a, b) =
         (CameraAndIsp { camera: a.camera, isp: &isp_a }, CameraAndIsp { camera: b.camera, isp: &isp_b });
-    light_gains(a, b, settings).in_context(|| format!("light gain at {} cd/m²", settings.luminance_cd_m2))
+    light_gains(a, b, settings)
+        .in_context(|| format!("light gain at {} cd/m²", Number(settings.luminance_cd_m2)))
 }
 
 /// The light gains of the first contender against every other contender with the same processing, at each luminance. Each is one

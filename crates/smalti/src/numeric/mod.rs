@@ -1,5 +1,6 @@
 //! Arithmetic without optics: image planes and rectangles, random numbers, Fourier transforms, least squares.
 
+mod arithmetic;
 pub(crate) mod bloomfield_steiger1980;
 pub mod bootstrap;
 pub(crate) mod crossing;
@@ -19,7 +20,8 @@ mod rect;
 pub(crate) mod simd;
 pub mod simultaneous;
 
+pub use arithmetic::arithmetic;
 pub use out_of_range::OutOfRange;
-pub(crate) use out_of_range::require;
+pub(crate) use out_of_range::{Number, require};
 pub use planes::{Planes, ShapeError};
 pub use rect::Rect;

@@ -28,7 +28,7 @@ impl Scene {
     /// scene) are in photons s⁻¹ m⁻² sr⁻¹ nm⁻¹ on the same grid.
     ///
     /// # Errors
-    /// When the grids differ, the distance is not positive, or the field of view is not within 0–180°.
+    /// When the grids differ, or the distance or the field of view is out of the range of [`Setting`](super::Setting).
     pub fn new(
         name: impl Into<String>,
         radiance: SpectralCube,
@@ -188,7 +188,7 @@ impl Scene {
     /// The scene with another horizontal field of view, degrees.
     ///
     /// # Errors
-    /// When it is not within 0–180°.
+    /// When it is not within 10⁻⁶ to 170°.
     pub fn with_fov(self, horizontal_fov_deg: f64) -> Result<Self, SceneError> {
         require_fov(horizontal_fov_deg)?;
         Ok(Self { horizontal_fov_deg, ..self })

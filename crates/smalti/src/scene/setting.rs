@@ -12,11 +12,11 @@ use crate::spectrum::{Illuminant, Spectrum, WavelengthGrid};
 /// office), 1.2 m away, 10° wide, D65 on 400–700 nm in steps of 10.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Setting {
-    /// Mean luminance over all pixels, cd/m² (CIE 1931), more than 0 and at most 10¹².
+    /// Mean luminance over all pixels, cd/m² (CIE 1931), 10⁻⁶ to 10¹².
     pub luminance_cd_m2: f64,
     /// Distance from the lens, m, more than 0.
     pub distance_m: f64,
-    /// Full horizontal field of view, degrees, between 0 and 180.
+    /// Full horizontal field of view, degrees, 10⁻⁶ to 170.
     pub horizontal_fov_deg: f64,
     /// The light on the scene.
     pub illuminant: Illuminant,
@@ -50,15 +50,19 @@ impl Setting {
     }
 }
 
-/// Ten times the sun's disc is 2·10¹⁰ cd/m²; far above it single precision would overflow.
+/// The night sky between the stars is above 10⁻⁴ cd/m² and ten times the sun's disc is 2·10¹⁰ cd/m²; far beyond them single precision
+/// would underflow or overflow.
 pub(super) fn require_luminance(cd_m2: f64) -> Result<(), OutOfRange> {
-    require(cd_m2 > 0.0 && cd_m2 <= 1e12, "luminance_cd_m2", cd_m2, "more than 0 and at most 1e12")
+    require((1e-6..=1e12).contains(&cd_m2), "luminance_cd_m2", cd_m2, "1e-6 to 1e12")
 }
 
 pub(super) fn require_distance(m: f64) -> Result<(), OutOfRange> {
-    require(m > 0.0, "distance_m", m, "more than 0")
+    require((1e-6..=1e12).contains(&m), "distance_m", m, "1e-6 to 1e12")
 }
 
+/// A flat scene of 170° is 23 times as wide as it is far, and a lens images it on 23 focal lengths. Towards 180° both are infinite.
+const MAX_FOV_DEG: f64 = 170.0;
+
 pub(super) fn require_fov(deg: f64) -> Result<(), OutOfRange> {
-    require(deg > 0.0 && deg < 180.0, "horizontal_fov_deg", deg, "between 0 and 180")
+    require((1e-6..=MAX_FOV_DEG).contains(&deg), "horizontal_fov_deg", deg, "1e-6 to 170")
 }

@@ -1,6 +1,7 @@
 //! Black and white levels of raw samples.
 
 use super::{ConversionGain, Exposure, Light, NoiseMode, RawImage, RawSamples, Sensor, SensorError};
+use crate::numeric::require;
 
 /// Black and white level of a capture.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -19,12 +20,28 @@ impl Sensor {
     /// Black and white level of captures with an exposure.
     ///
     /// # Errors
-    /// When the analog offset leaves no range between them.
+    /// When the analog offset leaves no range between them, or a full pixel gives no signal.
     pub fn raw_levels(&self, exposure: &Exposure) -> Result<RawLevels, SensorError> {
         self.ensure_gain(exposure)?;
+        let levels = self.unchecked_levels(exposure);
+        let has_range = |levels: RawLevels| levels.white > levels.black;
+        if !has_range(levels) {
+            let without_offset = Exposure { analog_offset_v: 0.0, ..*exposure };
+            require(
+                has_range(self.unchecked_levels(&without_offset)),
+                "full_well_e",
+                self.pixel.full_well_e,
+                "as many electrons as give at least one digital number (keys sensor.pixel.full_well_e, sensor.pixel.conversion_gain_uv_per_e, sensor.adc_bits)",
+            )?;
+            exposure.require_offset(false)?;
+        }
+        Ok(levels)
+    }
+
+    fn unchecked_levels(&self, exposure: &Exposure) -> RawLevels {
         let zero_v = exposure.zero_v();
         let saturation_v = self.saturation_v(exposure);
-        let levels = if self.adc.bits == 0 {
+        if self.adc.bits == 0 {
             RawLevels { black: zero_v, white: saturation_v, black_v: zero_v, white_v: saturation_v }
         } else {
             let (swing, last) = (self.pixel.voltage_swing_v, self.adc.levels() - 1.0);
@@ -43,9 +60,7 @@ impl Sensor {
                 black_v: self.adc.volts(black, swing),
                 white_v: self.adc.volts(white, swing),
             }
-        };
-        exposure.require_offset(levels.white > levels.black)?;
-        Ok(levels)
+        }
     }
 
     /// A noise-free capture by an ideal converter with the same levels: volts at the [`RawLevels`] of this

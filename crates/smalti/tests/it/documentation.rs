@@ -52,16 +52,17 @@ fn the_architecture_answers_ten_questions_with_paths() {
 }
 
 #[test]
-fn every_test_that_validation_names_exists() {
+fn every_test_that_a_page_names_exists() {
     let mut sources = Vec::new();
     files(&root().join("crates"), ".rs", &mut sources);
     let words: Vec<String> =
         sources.iter().flat_map(|path| functions(&fs::read_to_string(path).unwrap())).collect();
-    let text = fs::read_to_string(root().join("docs/validation.md")).unwrap();
-    let named = tests_named(&text);
-    assert!(named.len() > 60, "only {} tests found", named.len());
-    let missing: Vec<_> = named.iter().filter(|name| !words.contains(name)).collect();
-    assert!(missing.is_empty(), "docs/validation.md names tests that do not exist: {missing:?}");
+    for (page, least) in [("docs/validation.md", 60), ("docs/reliability.md", 20)] {
+        let named = tests_named(&fs::read_to_string(root().join(page)).unwrap());
+        assert!(named.len() > least, "only {} tests found in {page}", named.len());
+        let missing: Vec<_> = named.iter().filter(|name| !words.contains(name)).collect();
+        assert!(missing.is_empty(), "{page} names tests that do not exist: {missing:?}");
+    }
 }
 
 #[test]

@@ -26,7 +26,7 @@ use super::marks;
 use crate::file;
 
 /// Maximum size of a part, bytes.
-const LIMIT: u64 = 4 << 30;
+pub(in crate::dataset) const LIMIT: u64 = 4 << 30;
 /// Maximum expansion by Snappy, whose copies of three bytes yield at most 64.
 const EXPANSION: u64 = 22;
 

@@ -7,6 +7,6 @@ mod marks;
 mod tests;
 
 pub use decode::part_from_bytes;
-pub(super) use decode::read;
+pub(super) use decode::{LIMIT, read};
 pub use encode::encode;
 pub(super) use marks::{quick_check, stated_hash};

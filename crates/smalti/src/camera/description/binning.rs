@@ -33,7 +33,7 @@ impl BinningDescription {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct BinnedBlocks {
-    /// Photodiodes along each side of a block, 2 to 8.
+    /// Photodiodes along each side of a block.
     pub side: usize,
     /// Where their signals are combined.
     pub mode: BinningMode,

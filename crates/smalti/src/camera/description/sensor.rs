@@ -134,7 +134,7 @@ impl SensorDescription {
 pub struct PixelDescription {
     /// Distance between pixels, µm.
     pub pitch_um: f64,
-    /// Photodetector area divided by pixel area, above 0, at most 1.
+    /// Photodetector area divided by pixel area.
     pub fill_factor: f64,
     /// Volts per electron, µV.
     pub conversion_gain_uv_per_e: f64,

@@ -192,3 +192,26 @@ fn derivative_correction(cy_per_px: f64) -> f64 {
     let x = 2.0 * PI * cy_per_px / OVERSAMPLING as f64;
     if x > 0.0 { x / x.sin() } else { 1.0 }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The central difference of a wave, which has a known derivative, is right once it is corrected.
+    #[test]
+    fn the_correction_undoes_the_central_difference() {
+        for cy_per_px in [0.01, 0.1, 0.25, 0.5, 0.75, 1.0] {
+            let step = 2.0 * std::f64::consts::PI * cy_per_px / 4.0;
+            let wave = |n: f64| (step * n + 0.3).sin();
+            for n in 0..8 {
+                let n = f64::from(n);
+                let difference = 0.5 * (wave(n + 1.0) - wave(n - 1.0));
+                let derivative = step * (step * n + 0.3).cos();
+                let corrected = difference * derivative_correction(cy_per_px);
+                // Rounding of a difference of numbers near 1.
+                assert!((corrected - derivative).abs() < 1e-14, "{cy_per_px}: {corrected} for {derivative}");
+            }
+        }
+        assert_eq!(derivative_correction(0.0), 1.0);
+    }
+}

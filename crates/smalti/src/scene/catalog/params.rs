@@ -71,9 +71,9 @@ pub(super) use {choice, number, whole};
 
 /// Parameters of every scene, which override the setting.
 pub(super) static COMMON: [ParamInfo; 4] = [
-    number!("luminance", "", 1e-9..=1e12, "mean luminance, cd/m²"),
-    number!("distance", "", 1e-6..=1e9, "distance from the lens, m"),
-    number!("fov", "", 1e-6..=179.999, "full horizontal field of view, degrees"),
+    number!("luminance", "", 1e-6..=1e12, "mean luminance, cd/m²"),
+    number!("distance", "", 1e-6..=1e12, "distance from the lens, m"),
+    number!("fov", "", 1e-6..=170.0, "full horizontal field of view, degrees"),
     ParamInfo {
         name: "illuminant",
         default: "",

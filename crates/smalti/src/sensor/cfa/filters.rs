@@ -14,13 +14,13 @@ use crate::spectrum::{Extrapolation, Spectrum, WavelengthGrid};
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 #[non_exhaustive]
 pub enum Filter {
-    /// A constant transmittance, 0 to 1.
+    /// A constant transmittance.
     Flat(f64),
     /// `peak exp(−½ ((λ − center) / sigma)²)`, sampled at the wavelengths of the grid.
     Gaussian {
         /// Wavelength of the peak.
         center_nm: f64,
-        /// Standard deviation, above 0.
+        /// Standard deviation.
         sigma_nm: f64,
         /// Largest transmittance.
         #[serde(default = "one")]
@@ -43,7 +43,7 @@ pub enum Filter {
     RaisedCosine {
         /// Wavelength of the peak.
         center_nm: f64,
-        /// Full width at half maximum, above 0.
+        /// Full width at half maximum.
         fwhm_nm: f64,
         /// Largest transmittance.
         #[serde(default = "one")]
@@ -54,7 +54,7 @@ pub enum Filter {
     LongPass {
         /// Wavelength of half the peak.
         edge_nm: f64,
-        /// Width of the edge, above 0.
+        /// Width of the edge.
         width_nm: f64,
         /// Transmittance far above the edge.
         #[serde(default = "one")]
@@ -64,7 +64,7 @@ pub enum Filter {
     ShortPass {
         /// Wavelength of half the peak.
         edge_nm: f64,
-        /// Width of the edge, above 0.
+        /// Width of the edge.
         width_nm: f64,
         /// Transmittance far below the edge.
         #[serde(default = "one")]
@@ -75,12 +75,12 @@ pub enum Filter {
     Butterworth {
         /// Middle of the band.
         center_nm: f64,
-        /// Full width at half maximum, above 0.
+        /// Full width at half maximum.
         fwhm_nm: f64,
         /// Largest transmittance.
         #[serde(default = "one")]
         peak: f64,
-        /// Order, 1 to 100.
+        /// Order.
         order: u32,
     },
     /// A mixture of dyes by the Beer–Lambert law, `leakage + (peak − leakage) 10^(−A(λ))`. The absorbance A
@@ -206,6 +206,8 @@ impl Filter {
             Self::Builtin(ref name) => named::spectrum(name, grid),
             Self::File(ref name) => Err(CfaError::UnreadFile { name: name.clone() }),
             Self::Samples { start_nm, step_nm, ref values } => {
+                wavelength("start_nm", start_nm)?;
+                width("step_nm", step_nm)?;
                 let own = WavelengthGrid::new(start_nm, step_nm, values.len())?;
                 Ok(Spectrum::new(own, values.clone())?.resampled(grid, Extrapolation::Error)?)
             }
@@ -224,6 +226,10 @@ fn wavelength(name: &str, nm: f64) -> Result<(), OutOfRange> {
 
 fn band(center_nm: f64, width: &str, width_nm: f64, peak: f64) -> Result<(), OutOfRange> {
     wavelength("the wavelength of the filter", center_nm)?;
-    require(width_nm > 0.0, width, width_nm, "a width above 0 nm")?;
+    self::width(width, width_nm)?;
     within("peak", peak, 0.0, 1.0, "0 to 1")
+}
+
+fn width(name: &str, nm: f64) -> Result<(), OutOfRange> {
+    within(name, nm, 1e-6, 1e5, "a width in nm, 0.000001 to 100000")
 }

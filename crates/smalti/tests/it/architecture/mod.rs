@@ -53,7 +53,28 @@ const FORBIDDEN_MACROS: [&str; 5] = ["print", "println", "eprint", "eprintln", "
 /// Dependencies within a layer, which must be optional: the Python package offers the command and works without it.
 const SIDEWAYS: [(&str, &str); 1] = [("smalti-py", "smalti-cli")];
 
+/// Crates with `unsafe` code, where every block states its reason. All other crates forbid it.
+const UNSAFE_CRATES: [&str; 4] = ["smalti", "smalti-io", "smalti-py", "smalti-wasm"];
+
 // ---- the workspace ---------------------------------------------------------------------------------------------
+
+#[test]
+fn unsafe_code_is_where_it_is_known_to_be() {
+    for (name, folder) in crates() {
+        let root = std::fs::read_to_string(folder.join("src/lib.rs")).unwrap();
+        let forbids = root.lines().any(|line| line == "#![forbid(unsafe_code)]");
+        assert_ne!(forbids, UNSAFE_CRATES.contains(&name.as_str()), "{name}");
+        let has_main = folder.join("src/main.rs");
+        if let Ok(main) = std::fs::read_to_string(has_main) {
+            assert!(main.lines().any(|line| line == "#![forbid(unsafe_code)]"), "{name}: main.rs");
+        }
+    }
+    // An unsafe block without its reason is no warning but an error of the lint.
+    let workspace = crates().values().next().unwrap().join("../../Cargo.toml");
+    let manifest: toml::Table = toml::from_str(&std::fs::read_to_string(workspace).unwrap()).unwrap();
+    let lint = &manifest["workspace"]["lints"]["clippy"]["undocumented_unsafe_blocks"];
+    assert_eq!(lint.as_str(), Some("deny"));
+}
 
 #[test]
 fn crates_depend_in_one_direction() {
