@@ -6,6 +6,7 @@ mod args;
 mod cli;
 mod compare;
 mod complete;
+mod contest;
 mod convert;
 mod design;
 mod evaluate;
@@ -18,6 +19,7 @@ mod numbers;
 mod output;
 mod pairs;
 mod progress;
+mod rate;
 mod render;
 mod report;
 mod resolve;
@@ -75,6 +77,7 @@ fn run(cli: Cli, words: &[String]) -> anyhow::Result<()> {
     match cli.command {
         Command::Compare(a) => compare::run(&a, words, &cli.common),
         Command::Train(a) => train::run(&a, &cli.common),
+        Command::Rate(a) => rate::run(&a, words, &cli.common),
         Command::Render(a) => render::run(&a, &cli.common),
         Command::Simulate(a) => simulate::run(&a, &cli.common),
         Command::Evaluate(a) => evaluate::run(&a, words, &cli.common),

@@ -16,6 +16,7 @@ mod ir_cut;
 mod learn;
 mod learn_bad;
 mod mosaics;
+mod rate;
 mod reference;
 mod shell;
 mod show;
