@@ -35,7 +35,7 @@ pub fn kendall_tau_b(a: &[f64], b: &[f64]) -> Option<f64> {
     if a.len() != b.len() || !a.iter().chain(b).all(|v| v.is_finite()) {
         return None;
     }
-    let sign = |v: f64| if v > 0.0 { 1.0 } else { f64::from(v < 0.0) * -1.0 };
+    let sign = |v: f64| if v > 0.0 { 1.0 } else { -f64::from(v < 0.0) };
     let (mut both, mut of_a, mut of_b) = (0.0, 0.0, 0.0);
     for i in 0..a.len() {
         for j in i + 1..a.len() {

@@ -1,4 +1,5 @@
 //! Scales of simulated and of published choices.
+#![allow(clippy::unwrap_used)]
 
 use std::collections::BTreeSet;
 
