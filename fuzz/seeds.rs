@@ -109,7 +109,8 @@ fn main() -> Result<(), Box<dyn Error>> {
 /// An experiment with the answer of an observer.
 fn seeds_of_ratings(dir: &Path) -> Result<(), Box<dyn Error>> {
     let place = std::env::temp_dir().join(format!("smalti-seeds-{}", std::process::id()));
-    let image = || Ok::<_, Box<dyn Error>>(Image::new(ColorSpace::Srgb, Planes::new(5, 6, 3, ramp(90))?)?);
+    let image =
+        || Ok::<_, Box<dyn Error>>(Image::new(ColorSpace::Srgb, Planes::new(5, 6, 3, vec![0.5; 90])?)?);
     let picture = || {
         Ok::<_, Box<dyn Error>>(RatedPicture {
             image: image()?,
