@@ -5,14 +5,17 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use smalti::color::{ColorSpace, Image};
+use smalti::experiment::{RatedPicture, RatedScene};
 use smalti::l3::{Axes, Class, Kernels, Levels, Origin, Pair, Pipeline, PipelineParts, Statistics, Textures};
 use smalti::numeric::Planes;
+use smalti::rating::{Question, Role, Schedule, Shown, Side, Trial};
 use smalti::sensor::{Mosaic, RawImage, RawSamples, Sampling, SignalNoise};
 use smalti::spectrum::{SpectralCube, Spectrum, WavelengthGrid};
 use smalti_io::dataset::{Column, Run};
 use smalti_io::envi::Interleave;
 use smalti_io::matlab::Version;
 use smalti_io::picture::Depth;
+use smalti_io::ratings::{self, AnswerFolder, Condition, Display, Planned};
 use smalti_io::scene_file::Whole;
 use smalti_io::spectral_tiff::{Layout, WriteOptions};
 use smalti_io::{Quantity, SpectralFile};
@@ -92,6 +95,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         fs::write(dir.join(format!("{}.json", study.name)), serde_json::to_vec(trials.study())?)?;
     }
 
+    seeds_of_ratings(&folder("ratings")?)?;
+
     let dir = folder("names")?;
     for name in
         ["zone-plate?frequency=0.25&size=64", "D:5600", "blackbody:3000", "random?channels=4&rows=8&cols=8"]
@@ -101,10 +106,55 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
+/// An experiment with the answer of an observer.
+fn seeds_of_ratings(dir: &Path) -> Result<(), Box<dyn Error>> {
+    let place = std::env::temp_dir().join(format!("smalti-seeds-{}", std::process::id()));
+    let image =
+        || Ok::<_, Box<dyn Error>>(Image::new(ColorSpace::Srgb, Planes::new(5, 6, 3, vec![0.5; 90])?)?);
+    let picture = || {
+        Ok::<_, Box<dyn Error>>(RatedPicture {
+            image: image()?,
+            gain: 1.0,
+            exposure_time_s: 0.1,
+            metrics: vec![("cpsnr_db", 30.0)],
+        })
+    };
+    let scene = RatedScene {
+        name: "a".into(),
+        reference: image()?,
+        trap: image()?,
+        pictures: vec![picture()?, picture()?],
+    };
+    let condition = |name: &str| Condition {
+        name: name.into(),
+        camera: "a".into(),
+        processing: "l3".into(),
+        luminance_cd_m2: 1.0,
+        stops: 0.0,
+    };
+    let planned = Planned {
+        title: "a".into(),
+        command: Vec::new(),
+        question: Question::Scale,
+        schedule: Schedule { ratings: 2, repeats: 1, traps: 1, training: 0, break_every: 2 },
+        seed: 1,
+        conditions: vec![condition("a"), condition("b")],
+    };
+    let manifest = ratings::write(&place, &planned, &[scene])?;
+    let display = Display { device_pixel_ratio: 1.0, screen_px: [9, 9], px_per_mm: None, gamma: None };
+    let (mut observer, mut file) = AnswerFolder::open(&place)?.begin(&manifest, 1, "a", &display)?;
+    let trial = Trial { role: Role::Rating, scene: 0, left: Shown::Condition(1), right: Shown::Condition(0) };
+    file.show(&mut observer, trial)?;
+    file.answer(&mut observer, Side::Left, 900)?;
+    let mut seed = fs::read(place.join(ratings::MANIFEST))?;
+    seed.push(0);
+    seed.extend(fs::read(place.join(ratings::ANSWERS).join("observer-0001.jsonl"))?);
+    fs::remove_dir_all(&place)?;
+    Ok(fs::write(dir.join("experiment"), seed)?)
+}
+
 /// Cubes of three bands, so that most of what the fuzzer changes is structure.
-fn seeds_of_cubes(
-    folder: &dyn Fn(&str) -> Result<PathBuf, std::io::Error>,
-) -> Result<(), Box<dyn Error>> {
+fn seeds_of_cubes(folder: &dyn Fn(&str) -> Result<PathBuf, std::io::Error>) -> Result<(), Box<dyn Error>> {
     let grid = WavelengthGrid::new(400.0, 50.0, 3)?;
     let data = (0..36).map(|i| i as f32 / 36.0).collect();
     let file = SpectralFile {
@@ -144,12 +194,15 @@ fn seeds_of_cubes(
     }
 
     let dir = folder("bands")?;
-    for (name, names) in [("numbers", ["a_1.png", "a_2.png", "a_3.png"]), ("nm", ["400nm.png", "450nm.png", "9.png"])] {
+    for (name, names) in
+        [("numbers", ["a_1.png", "a_2.png", "a_3.png"]), ("nm", ["400nm.png", "450nm.png", "9.png"])]
+    {
         let mut out = Vec::new();
         for (i, name) in names.iter().enumerate() {
             let mut png = Vec::new();
             let mut encoder = png::Encoder::new(&mut png, 4, 3);
-            encoder.set_color([png::ColorType::Grayscale, png::ColorType::Rgba, png::ColorType::Grayscale][i]);
+            encoder
+                .set_color([png::ColorType::Grayscale, png::ColorType::Rgba, png::ColorType::Grayscale][i]);
             encoder.set_depth([png::BitDepth::Sixteen, png::BitDepth::Eight, png::BitDepth::Eight][i]);
             encoder.write_header()?.write_image_data(&vec![9; [24, 48, 12][i]])?;
             out.push(name.len() as u8);

@@ -11,6 +11,7 @@ use crate::convert::Convert;
 use crate::design::DesignArgs;
 use crate::evaluate::Evaluate;
 use crate::list::List;
+use crate::rate::Rate;
 use crate::render::Render;
 use crate::report::ReportArgs;
 use crate::show::Show;
@@ -31,6 +32,7 @@ use crate::train::Train;
         smalti evaluate bayer rgbw                            scores of colour, resolution, noise and aliasing\n  \
         smalti sweep table2 -o study && smalti report study   score 5000 colour filter arrays and report them\n  \
         smalti design pigments-4 -o best                      find the best colour filter array of four pigments\n  \
+        smalti rate init bayer rgbw -o trial                  an experiment in which people judge the pictures\n  \
         smalti list cfas                                      the built-in colour filter arrays\n  \
         smalti show rgbw                                      a camera with its mosaic and its spectra\n\n\
         Results are written to standard output or to the path of -o, progress and messages to standard error.\n\
@@ -61,6 +63,8 @@ pub(crate) enum Command {
     Design(Box<DesignArgs>),
     /// Report the results of a study: tables, best designs, figures
     Report(ReportArgs),
+    /// Let people judge: make an experiment, run it in the browser, scale the answers
+    Rate(Box<Rate>),
     /// List built-in cameras, scenes, colour filter arrays, metrics and more
     List(List),
     /// Draw a camera, a colour filter array, a scene or a curve in the terminal

@@ -9,7 +9,7 @@ use clap_complete::env::{CompleteEnv, EnvCompleter, Shells};
 use smalti::scene::catalog::{self, ParamInfo};
 use smalti::sensor::cfa;
 use smalti::spectrum::Illuminant;
-use smalti_io::{cameras, designs, scenes, studies};
+use smalti_io::{cameras, designs, ratings, scenes, studies};
 
 use crate::keys::keys;
 use crate::resolve::has_extension;
@@ -57,6 +57,7 @@ fn with_names(command: Command) -> Command {
         "illuminant" | "illuminants" | "target_illuminant" => with(arg, light_names, &["csv"]),
         "study" => with(arg, study_names, &["toml"]),
         "design" => with(arg, design_names, &["toml"]),
+        "experiment" => with(arg, experiment_names, &["toml"]),
         // The argument of `show`, which accepts every kind.
         "name" => with(arg, all_names, &[&["toml", "csv"], SCENES].concat()),
         _ => arg,
@@ -156,6 +157,10 @@ fn design_names() -> Vec<CompletionCandidate> {
     designs::names().iter().map(|f| named(f.name, f.summary)).collect()
 }
 
+fn experiment_names() -> Vec<CompletionCandidate> {
+    ratings::names().iter().map(|f| named(f.name, f.summary)).collect()
+}
+
 fn scene_names() -> Vec<CompletionCandidate> {
     scenes::names().map(|(name, summary)| named(name, summary)).collect()
 }
@@ -192,10 +197,13 @@ mod tests {
     fn arguments_with_names_are_completed() {
         let command = with_names(crate::cli::Cli::command());
         let mut found = Vec::new();
-        for sub in command.get_subcommands() {
+        let mut open: Vec<(String, &Command)> =
+            command.get_subcommands().map(|s| (s.get_name().to_owned(), s)).collect();
+        while let Some((name, sub)) = open.pop() {
             for arg in sub.get_arguments().filter(|a| a.get::<ArgValueCompleter>().is_some()) {
-                found.push(format!("{} {}", sub.get_name(), arg.get_id()));
+                found.push(format!("{name} {}", arg.get_id()));
             }
+            open.extend(sub.get_subcommands().map(|s| (format!("{name} {}", s.get_name()), s)));
         }
         for expected in [
             "compare cameras",
@@ -219,6 +227,9 @@ mod tests {
             "compare cfa",
             "simulate overrides",
             "compare overrides",
+            "rate init cameras",
+            "rate init scenes",
+            "rate init experiment",
         ] {
             assert!(found.iter().any(|f| f == expected), "{expected}: {found:?}");
         }

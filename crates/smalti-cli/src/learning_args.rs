@@ -3,11 +3,15 @@
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 use smalti::camera::{LevelRule, TrainingSettings};
+use smalti::experiment::Resources;
 use smalti::l3::{Alpha, KernelForm, PerceptualWeights, Quality, Solver, Textures, Training};
+use smalti_io::cache::Cache;
+use smalti_io::memory;
 use smalti_io::rendered::TrainingSet;
 
 use crate::args::{Choice, choice, word_of};
 use crate::numbers::share;
+use crate::progress::Progress;
 
 /// Options of learning.
 #[derive(Debug, Clone, Args)]
@@ -106,6 +110,16 @@ fn pair(text: &str) -> Result<Alpha, String> {
 }
 
 impl LearningOptions {
+    /// What an experiment with these options draws on.
+    pub(crate) fn resources<'a>(&self, store: &'a Cache, progress: &'a Progress) -> Resources<'a> {
+        Resources {
+            store,
+            training_scenes: self.training_set.stored(),
+            progress,
+            memory_bytes: memory::available_bytes(),
+        }
+    }
+
     /// The settings of classes and training pairs.
     pub(crate) fn settings(&self, seed: u64) -> TrainingSettings {
         TrainingSettings {

@@ -8,6 +8,7 @@ mod cache;
 mod cli;
 mod compare;
 mod complete;
+mod contest;
 mod convert;
 mod design;
 mod evaluate;
@@ -20,6 +21,7 @@ mod numbers;
 mod output;
 mod pairs;
 mod progress;
+mod rate;
 mod raw_args;
 mod render;
 mod report;
@@ -87,6 +89,7 @@ fn run(cli: Cli, words: &[String]) -> anyhow::Result<()> {
         Command::Compare(a) => compare::run(&a, words, &cli.common),
         Command::Train(a) => train::run(&a, &cli.common).map_err(naming_the_option),
         Command::Render(a) => render::run(&a, &cli.common).map_err(naming_the_option),
+        Command::Rate(a) => rate::run(&a, words, &cli.common),
         Command::Simulate(a) => simulate::run(&a, &cli.common),
         Command::Evaluate(a) => evaluate::run(&a, words, &cli.common),
         Command::Sweep(a) => sweep::run(&a, &cli.common),

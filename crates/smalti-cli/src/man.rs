@@ -24,8 +24,13 @@ fn pages(command: Command) -> std::io::Result<Vec<(String, Vec<u8>)>> {
     let mut root = command.disable_help_subcommand(true);
     root.build();
     let mut out = vec![page("smalti", root.clone())?];
-    for sub in root.get_subcommands().filter(|s| !s.is_hide_set()) {
-        out.push(page(&format!("smalti-{}", sub.get_name()), sub.clone())?);
+    let mut open: Vec<(String, &Command)> = vec![("smalti".into(), &root)];
+    while let Some((title, command)) = open.pop() {
+        for sub in command.get_subcommands().filter(|s| !s.is_hide_set()) {
+            let title = format!("{title}-{}", sub.get_name());
+            out.push(page(&title, sub.clone())?);
+            open.push((title, sub));
+        }
     }
     Ok(out)
 }

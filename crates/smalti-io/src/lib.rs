@@ -21,6 +21,7 @@
 //! | [`studies`] | TOML | [`smalti::design::Trials`] |
 //! | [`sweeps`] | a study and its folder of results | [`dataset::Plan`], [`dataset::Run`] |
 //! | [`comparisons`] | the folder of a comparison | [`comparisons::ComparisonFiles`] |
+//! | [`ratings`] | the folder of a rating experiment | [`smalti::experiment::RatedScene`], [`smalti::rating::Trial`] |
 //! | [`lights`] | a name, or CSV | [`smalti::spectrum::Illuminant`] |
 //! | [`scene_file`] | whatever holds a scene | [`smalti::scene::Scene`] |
 //! | [`scenes`] | a name, or a scene file | [`smalti::scene::Scene`] |
@@ -60,6 +61,7 @@ pub mod npz;
 mod orientation;
 pub mod picture;
 mod raster;
+pub mod ratings;
 pub mod rendered;
 pub mod scene_file;
 pub mod scenes;

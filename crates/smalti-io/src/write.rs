@@ -64,6 +64,21 @@ pub fn durable(path: &Path, bytes: &[u8]) -> Result<(), IoError> {
     })
 }
 
+/// As [`bytes()`]; where the system has such permissions, only the user who runs the program can read the file.
+///
+/// # Errors
+/// [`IoError::Write`].
+pub fn secret(path: &Path, bytes: &[u8]) -> Result<(), IoError> {
+    stream(path, |out| {
+        #[cfg(unix)]
+        {
+            use std::os::unix::fs::PermissionsExt;
+            out.get_ref().set_permissions(fs::Permissions::from_mode(0o600))?;
+        }
+        out.write_all(bytes)
+    })
+}
+
 /// Finds out, before long work, whether [`atomic`] will be able to write a file: makes a temporary one beside it and removes
 /// it.
 ///

@@ -13,6 +13,7 @@
 //! | the report of studies | [`study::Report`] |
 //! | the report of a comparison, of evaluations | [`comparison::Comparison`], [`comparison::Evaluations`] |
 //! | the page of a design | [`design::page`] |
+//! | the report of a rating experiment | [`rating::RatingReport`] |
 //!
 //! Each is built step by step and drawn to a [`Figure`], which provides an SVG document and a PNG. Equal inputs give equal bytes, on
 //! machines without fonts as well: the text of a PNG is set in Inter, which the crate contains.
@@ -45,6 +46,7 @@ pub mod page;
 mod panel;
 mod pictures;
 mod plot;
+pub mod rating;
 mod reliability;
 mod report_error;
 mod scale;

@@ -44,6 +44,7 @@ pub mod metrics;
 pub mod names;
 pub mod numeric;
 pub mod optics;
+pub mod rating;
 pub mod scene;
 pub mod sensor;
 pub mod spectrum;

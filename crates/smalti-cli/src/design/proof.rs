@@ -242,7 +242,7 @@ fn pictures(
     let (contenders, left_out) = contenders(&cameras, &labels, &sets, &processing)?;
     let Compared { outcomes, exposure, verdict } = compare(&contenders, settings, resources)?;
     let scene_labels: Vec<String> =
-        settings.scenes.iter().map(|s| crate::compare::scene_label(s.name())).collect();
+        settings.scenes.iter().map(|s| crate::contest::scene_label(s.name())).collect();
     let conditions = Conditions {
         exposure: exposure.applied(),
         cameras: &cameras,

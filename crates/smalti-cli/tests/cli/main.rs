@@ -22,6 +22,7 @@ mod learn_bad;
 mod licences;
 mod limits;
 mod mosaics;
+mod rate;
 mod real_camera;
 mod reference;
 mod shell;

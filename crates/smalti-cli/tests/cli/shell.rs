@@ -81,7 +81,8 @@ fn every_command_has_a_manual_page() {
         commands.filter_map(|l| l.strip_prefix("  ")?.split_once(' ').map(|(n, _)| n)).collect();
     let names: Vec<&str> = names.into_iter().filter(|n| !n.is_empty() && *n != "help").collect();
     assert!(names.len() > 10 && names.contains(&"show") && !names.contains(&"man"), "{names:?}");
-    let mut pages: Vec<String> = names.iter().map(|n| format!("smalti-{n}.1")).collect();
+    let steps = ["rate-init", "rate-serve", "rate-analyse"];
+    let mut pages: Vec<String> = names.iter().chain(&steps).map(|n| format!("smalti-{n}.1")).collect();
     pages.push("smalti.1".into());
     pages.sort();
     assert_eq!(place.names("pages"), pages);

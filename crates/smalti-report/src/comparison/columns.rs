@@ -152,6 +152,12 @@ pub(super) fn heading(metric: &'static str) -> &'static str {
     COMPARE.iter().find(|c| c.metric == metric).map_or(metric, |c| c.heading)
 }
 
+/// The heading of a metric by its name, in any table of a comparison; the name where it has no column there.
+pub(crate) fn heading_of(metric: &str) -> &str {
+    let mut columns = COMPARE.iter().chain(&COMPARE_PER_PIXEL);
+    columns.find(|c| c.metric == metric).map_or(metric, |c| c.heading)
+}
+
 /// The columns in which a metric is shown, in words; `None` for a metric without a column.
 #[must_use]
 pub fn where_shown(metric: &str) -> Option<String> {

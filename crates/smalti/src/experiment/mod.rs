@@ -1,4 +1,4 @@
-//! Experiments as functions of plain values: simulate, train, evaluate, compare, light gain, sweep.
+//! Experiments as functions of plain values: simulate, train, evaluate, compare, light gain, sweep, and the pictures of ratings.
 //!
 //! The command and the Python package only call these functions, so that both give the same results for the same settings. No
 //! function opens a file: the caller passes scenes, raw images and pipelines. A [`Store`] caches slow results, and a
@@ -28,6 +28,7 @@ mod picture_figures;
 mod processing;
 mod progress;
 mod proof;
+mod rating;
 mod robustness;
 mod simulation;
 mod store;
@@ -60,6 +61,7 @@ pub use picture_figures::{LightFigures, PictureFigures};
 pub use processing::Processing;
 pub use progress::{Progress, Silent};
 pub use proof::{Proof, ProofResult, ProvedLead, Rival, Scored, prove};
+pub use rating::{RatedCondition, RatedPicture, RatedScene, rated_scenes};
 pub use robustness::{RobustnessCase, RobustnessRow, RobustnessScenes, robustness, robustness_cases};
 pub use simulation::{ScoredWindow, Simulation, SimulationSettings, capture, score_capture, simulate};
 pub use store::{NoStore, Resources, Store};

@@ -143,7 +143,7 @@ fn by_student(values: &[f64]) -> Option<Interval> {
 }
 
 /// The share of resamples below the interval, and above it.
-fn tail_probability(groups: usize) -> f64 {
+pub(crate) fn tail_probability(groups: usize) -> f64 {
     let n = groups as f64;
     0.5 * libm::erfc(student(groups - 1) * (n / (n - 1.0)).sqrt() / std::f64::consts::SQRT_2)
 }

@@ -44,6 +44,7 @@ mod metrics_esfr;
 mod metrics_photon_transfer;
 mod optics;
 mod photon_transfer;
+mod rating;
 mod references;
 mod reflectance_sets;
 mod scene;

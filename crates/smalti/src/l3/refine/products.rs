@@ -145,9 +145,8 @@ impl Kernel for Products<'_> {
             for (kernel, plane) in kernels.iter().zip(&mut out) {
                 let mut sums = [0.0f32; LANES];
                 for (register, (values, weights)) in registers.iter().zip(kernel).enumerate() {
-                    for i in 0..LANES {
-                        let product = values.0[i] * weights.0[i];
-                        sums[i] = if register == 0 { product } else { sums[i] + product };
+                    for ((sum, value), weight) in sums.iter_mut().zip(values.0).zip(weights.0) {
+                        *sum = if register == 0 { value * weight } else { *sum + value * weight };
                     }
                 }
                 plane[col] = tree(&sums);

@@ -308,8 +308,8 @@ impl Sums {
             let left = if left > 0.0 { left } else { 0.0 };
             let weight = f32::from(TIMES) * left * left;
             self.weights[i] += weight;
-            for plane in 0..3 {
-                self.colours[plane][i] += weight * other[plane][i];
+            for (sum, other) in self.colours.iter_mut().zip(other) {
+                sum[i] += weight * other[i];
             }
         }
     }
@@ -329,15 +329,15 @@ impl<const STEP: usize> Smoothing<'_, STEP> {
         let centre = [xh[1], yh[1], zh[1]];
         let [s0, s1, s2] = self.squares;
         let mut most = [0.0; LANES];
-        for i in 0..LANES {
-            let y = if yh[1][i] > 0.0 { yh[1][i] } else { 0.0 };
+        for (most, &y) in most.iter_mut().zip(yh[1]) {
+            let y = if y > 0.0 { y } else { 0.0 };
             let square = s0 + (s1 + s2 * y) * y;
             let square = if square > SQUARES[0] { square } else { SQUARES[0] };
-            most[i] = 2.0 * if square < SQUARES[1] { square } else { SQUARES[1] };
+            *most = 2.0 * if square < SQUARES[1] { square } else { SQUARES[1] };
         }
         let mut sums = Sums { weights: [0.0; LANES], colours: [[0.0; LANES]; 3] };
-        for i in 0..LANES {
-            sums.weights[i] = 4.0 * most[i] * most[i];
+        for (weight, most) in sums.weights.iter_mut().zip(most) {
+            *weight = 4.0 * most * most;
         }
         for (sum, centre) in sums.colours.iter_mut().zip(centre) {
             for i in 0..LANES {

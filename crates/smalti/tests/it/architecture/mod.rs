@@ -16,11 +16,15 @@ use graph::{Target, circles, describe};
 use sources::{Modules, module_path};
 
 /// The crates in layers. A crate may depend on crates of earlier layers only.
-const LAYERS: [&[&str]; 3] =
-    [&["smalti"], &["smalti-io", "smalti-report", "smalti-wasm"], &["smalti-cli", "smalti-py"]];
+const LAYERS: [&[&str]; 4] = [
+    &["smalti"],
+    &["smalti-io", "smalti-report", "smalti-wasm"],
+    &["smalti-serve"],
+    &["smalti-cli", "smalti-py"],
+];
 
 /// The direction of light. Each room of the library may import from those before it, and from itself.
-const ROOMS: [&str; 13] = [
+const ROOMS: [&str; 14] = [
     "names",
     "numeric",
     "spectrum",
@@ -33,6 +37,7 @@ const ROOMS: [&str; 13] = [
     "metrics",
     "camera",
     "design",
+    "rating",
     "experiment",
 ];
 
