@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::super::blocks::{BLOCK, LANES, values_mut};
+use super::super::blocks::{BLOCK, LANES, values, values_mut};
 use super::super::render::Register;
 use crate::numeric::Planes;
 use crate::numeric::mirror::about_outermost;
@@ -83,20 +83,17 @@ impl Padded {
 
     /// Writes a row of the picture that follows this one: smoothed, or every second column.
     fn next(&self, index: usize, row: usize, noise: [f32; 3], planes: [&mut [f32]; 3]) {
-        match STEPS[index] {
-            0 => dispatch(EverySecond { of: self, row: 2 * row, planes }),
-            1 => self.smooth::<1>(index, row, noise, planes),
-            2 => self.smooth::<2>(index, row, noise, planes),
-            4 => self.smooth::<4>(index, row, noise, planes),
-            _ => self.smooth::<8>(index, row, noise, planes),
+        if index == HALF {
+            return dispatch(EverySecond { of: self, row: 2 * row, planes });
         }
-    }
-
-    /// Writes a row averaged over the neighbours of a step, without those whose colours differ.
-    #[inline(always)]
-    fn smooth<const STEP: usize>(&self, index: usize, row: usize, noise: [f32; 3], planes: [&mut [f32]; 3]) {
         let squared = 4.0 * TOLERANCES[index] * TOLERANCES[index];
-        dispatch(Smoothing::<STEP> { of: self, row, squares: noise.map(|v| squared * v), planes });
+        dispatch(Smoothing {
+            of: self,
+            row,
+            step: STEPS[index],
+            squares: noise.map(|v| squared * v),
+            planes,
+        });
     }
 }
 
@@ -274,9 +271,10 @@ impl Kernel for EverySecond<'_> {
 
 /// One row of a smoothing: weights of a 3 × 3 binomial filter times (s − d)², where d is the squared difference of the colours, in which X
 /// and Z count half, and s is four times the variance that is tolerated. Colours that differ by more do not count.
-struct Smoothing<'a, const STEP: usize> {
+struct Smoothing<'a> {
     of: &'a Padded,
     row: usize,
+    step: usize,
     /// Coefficients of 1, Y and Y² in s.
     squares: [f32; 3],
     planes: [&'a mut [f32]; 3],
@@ -286,9 +284,8 @@ type Vector = [f32; LANES];
 
 /// The three vectors of neighbours in a line: to the left, in the middle, to the right.
 #[inline(always)]
-fn neighbours<const STEP: usize>(line: &[f32], at: usize) -> Option<[&Vector; 3]> {
-    let line = line.get(at - STEP..at + STEP + LANES)?;
-    Some([line.first_chunk()?, line.get(STEP..)?.first_chunk()?, line.last_chunk()?])
+fn neighbours(line: &[f32], at: usize, step: usize) -> Option<[&Vector; 3]> {
+    Some([values(line, at - step)?, values(line, at)?, values(line, at + step)?])
 }
 
 /// Weighted sums of colours.
@@ -301,49 +298,51 @@ impl Sums {
     /// Adds a neighbour, whose planes are given, `TIMES` times; `most` is what its squared difference to the centre may be.
     #[inline(always)]
     fn add<const TIMES: u8>(&mut self, other: [&Vector; 3], centre: [&Vector; 3], most: &Vector) {
+        let Self { weights, colours: [sum_x, sum_y, sum_z] } = self;
+        let ([other_x, other_y, other_z], [own_x, own_y, own_z]) = (other, centre);
         for i in 0..LANES {
-            let [x, y, z] = std::array::from_fn(|plane| other[plane][i] - centre[plane][i]);
+            let (x, y, z) = (other_x[i] - own_x[i], other_y[i] - own_y[i], other_z[i] - own_z[i]);
             let squares = y * y;
             let left = most[i] - (x * x + z * z + (squares + squares));
             let left = if left > 0.0 { left } else { 0.0 };
             let weight = f32::from(TIMES) * left * left;
-            self.weights[i] += weight;
-            for (sum, other) in self.colours.iter_mut().zip(other) {
-                sum[i] += weight * other[i];
-            }
+            weights[i] += weight;
+            sum_x[i] += weight * other_x[i];
+            sum_y[i] += weight * other_y[i];
+            sum_z[i] += weight * other_z[i];
         }
     }
 }
 
-impl<const STEP: usize> Smoothing<'_, STEP> {
+impl Smoothing<'_> {
     /// The sums of the pixels from a column of the lines on. `None` where they end.
     #[inline(always)]
     fn sums(&self, lines: &[[&[f32]; 3]; 3], at: usize) -> Option<Sums> {
-        let [[xa, ya, za], [xh, yh, zh], [xb, yb, zb]] = *lines;
-        let [xa, ya, za] =
-            [neighbours::<STEP>(xa, at)?, neighbours::<STEP>(ya, at)?, neighbours::<STEP>(za, at)?];
-        let [xh, yh, zh] =
-            [neighbours::<STEP>(xh, at)?, neighbours::<STEP>(yh, at)?, neighbours::<STEP>(zh, at)?];
-        let [xb, yb, zb] =
-            [neighbours::<STEP>(xb, at)?, neighbours::<STEP>(yb, at)?, neighbours::<STEP>(zb, at)?];
+        let ([[xa, ya, za], [xh, yh, zh], [xb, yb, zb]], step) = (*lines, self.step);
+        let [xa, ya, za] = [neighbours(xa, at, step)?, neighbours(ya, at, step)?, neighbours(za, at, step)?];
+        let [xh, yh, zh] = [neighbours(xh, at, step)?, neighbours(yh, at, step)?, neighbours(zh, at, step)?];
+        let [xb, yb, zb] = [neighbours(xb, at, step)?, neighbours(yb, at, step)?, neighbours(zb, at, step)?];
         let centre = [xh[1], yh[1], zh[1]];
         let [s0, s1, s2] = self.squares;
         let mut most = [0.0; LANES];
-        for (most, &y) in most.iter_mut().zip(yh[1]) {
-            let y = if y > 0.0 { y } else { 0.0 };
+        let own = yh[1];
+        for i in 0..LANES {
+            let y = if own[i] > 0.0 { own[i] } else { 0.0 };
             let square = s0 + (s1 + s2 * y) * y;
             let square = if square > SQUARES[0] { square } else { SQUARES[0] };
-            *most = 2.0 * if square < SQUARES[1] { square } else { SQUARES[1] };
+            most[i] = 2.0 * if square < SQUARES[1] { square } else { SQUARES[1] };
         }
-        let mut sums = Sums { weights: [0.0; LANES], colours: [[0.0; LANES]; 3] };
-        for (weight, most) in sums.weights.iter_mut().zip(most) {
-            *weight = 4.0 * most * most;
+        let mut weights = [0.0; LANES];
+        for i in 0..LANES {
+            weights[i] = 4.0 * most[i] * most[i];
         }
-        for (sum, centre) in sums.colours.iter_mut().zip(centre) {
+        let mut colours = [[0.0; LANES]; 3];
+        for (sum, centre) in colours.iter_mut().zip(centre) {
             for i in 0..LANES {
-                sum[i] = sums.weights[i] * centre[i];
+                sum[i] = weights[i] * centre[i];
             }
         }
+        let mut sums = Sums { weights, colours };
         sums.add::<2>([xa[1], ya[1], za[1]], centre, &most);
         sums.add::<2>([xh[0], yh[0], zh[0]], centre, &most);
         sums.add::<2>([xh[2], yh[2], zh[2]], centre, &most);
@@ -356,14 +355,14 @@ impl<const STEP: usize> Smoothing<'_, STEP> {
     }
 }
 
-impl<const STEP: usize> Kernel for Smoothing<'_, STEP> {
+impl Kernel for Smoothing<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run(mut self) {
         let mut lines = [[&[] as &[f32]; 3]; 3];
         for (down, lines) in lines.iter_mut().enumerate() {
-            let at = self.row as isize + (down as isize - 1) * STEP as isize;
+            let at = self.row as isize + (down as isize - 1) * self.step as isize;
             for (plane, line) in lines.iter_mut().enumerate() {
                 *line = self.of.line(plane, at);
             }
