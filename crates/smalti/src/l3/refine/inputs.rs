@@ -2,6 +2,8 @@
 
 use super::stages::{FINE, MARGIN, SCALES, Stages};
 
+/// Outputs: X, Y, Z.
+pub(super) const OUTPUTS: usize = 3;
 /// Side of the neighbourhood of Y.
 pub(super) const SIDE_Y: usize = 5;
 /// Side of the neighbourhoods of X and Z.
@@ -9,10 +11,10 @@ pub(super) const SIDE_XZ: usize = 3;
 /// Number of inputs: Y of 5 × 5 pixels, X of 3 × 3, Z of 3 × 3, and X, Y, Z of every smooth picture.
 pub(super) const COUNT: usize = SIDE_Y * SIDE_Y + 2 * SIDE_XZ * SIDE_XZ + 3 * SCALES;
 /// Neighbourhoods: the plane, and the side.
-pub(super) const NEIGHBOURHOODS: [(usize, usize); 3] = [(1, SIDE_Y), (0, SIDE_XZ), (2, SIDE_XZ)];
+const NEIGHBOURHOODS: [(usize, usize); 3] = [(1, SIDE_Y), (0, SIDE_XZ), (2, SIDE_XZ)];
 
 /// The input that is the pixel itself in X, Y, Z.
-pub(super) const OWN: [usize; 3] = [
+pub(super) const OWN: [usize; OUTPUTS] = [
     SIDE_Y * SIDE_Y + SIDE_XZ * SIDE_XZ / 2,
     SIDE_Y * SIDE_Y / 2,
     SIDE_Y * SIDE_Y + SIDE_XZ * SIDE_XZ + SIDE_XZ * SIDE_XZ / 2,

@@ -16,6 +16,7 @@
 mod axes;
 mod classes;
 mod inputs;
+mod layout;
 mod products;
 mod refinement;
 mod stages;

@@ -8,14 +8,13 @@ use super::super::L3Error;
 use super::super::blocks::LANES;
 use super::axes::RefinementAxes;
 use super::classes::{Scratch, classify};
-use super::inputs::COUNT;
-use super::products::{Kernels, RowInputs, arranged, products, weights_of};
+use super::inputs::{COUNT, OUTPUTS};
+use super::layout::{Kernels, RowInputs, arranged, weights_of};
+use super::products::products;
 use super::stages::{ROWS_BEYOND, RollingStages, copy_row};
 use crate::isp::demosaic::bands_of;
 use crate::numeric::Planes;
 
-/// X, Y, Z.
-pub(super) const OUTPUTS: usize = 3;
 /// Least pixels of a strip, which computes the stages of a few rows beyond itself as well.
 const STRIP_PIXELS: usize = 1 << 19;
 /// Number of inputs of the second stage: Y of the 5 × 5 pixels around the pixel, X and Z of 3 × 3, in row order, then X, Y, Z of the five
