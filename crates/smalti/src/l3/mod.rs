@@ -38,6 +38,7 @@ mod statistics;
 mod summary;
 mod symmetry;
 mod train;
+mod vectors;
 mod window;
 
 pub(crate) use class_map::ClassMap;

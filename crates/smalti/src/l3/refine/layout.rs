@@ -2,8 +2,8 @@
 
 use super::super::blocks::LANES;
 #[cfg(target_arch = "x86_64")]
-use super::super::render::Avx512;
-use super::super::render::{PIXELS, Register};
+use super::super::vectors::Avx512;
+use super::super::vectors::{PIXELS, Register};
 use super::inputs::{COUNT, Lines, OUTPUTS, SIDE_XZ, SIDE_Y};
 use super::stages::{FINE, MARGIN, SCALES, Stages};
 
@@ -101,5 +101,5 @@ fn interleave(lines: &[&[f32]], columns: usize, out: &mut Vec<f32>) {
     if let Some(set) = Avx512::detect() {
         return set.interleave_f32(lines, columns, out);
     }
-    super::super::render::interleave(lines, columns, out);
+    super::super::vectors::interleave(lines, columns, out);
 }

@@ -1,7 +1,7 @@
 //! The products of a row of pixels with the kernels of their classes.
 
 use super::super::blocks::LANES;
-use super::super::render::{Register, tree};
+use super::super::vectors::{Register, tree};
 use super::inputs::{OUTPUTS, SIDE_XZ, SIDE_Y};
 use super::layout::{
     FIRST_SMOOTH, INPUTS_COARSE, INPUTS_FINE, Kernels, PATCH_XZ, PATCH_Y, REGISTERS, RowInputs,
@@ -11,7 +11,7 @@ use crate::numeric::simd::{Kernel, dispatch};
 /// Writes X, Y and Z of a row: Σ weight · input over the kernels of each pixel's class. `classes` are padded to whole vectors of pixels.
 pub(super) fn products(kernels: &[Kernels], classes: &[u32], inputs: &RowInputs, out: [&mut [f32]; OUTPUTS]) {
     #[cfg(target_arch = "x86_64")]
-    if let Some(set) = super::super::render::Avx512::detect() {
+    if let Some(set) = super::super::vectors::Avx512::detect() {
         return super::x86::products(set, kernels, classes, inputs, out);
     }
     dispatch(Products { kernels, classes, inputs, out });

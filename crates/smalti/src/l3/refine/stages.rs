@@ -5,7 +5,7 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use super::super::blocks::{BLOCK, LANES, values, values_mut};
-use super::super::render::Register;
+use super::super::vectors::Register;
 use crate::numeric::Planes;
 use crate::numeric::mirror::about_outermost;
 use crate::numeric::simd::{Kernel, dispatch};

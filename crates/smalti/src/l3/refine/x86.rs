@@ -2,7 +2,7 @@
 
 use std::arch::x86_64::*;
 
-use super::super::render::{Avx512, PIXELS, quarters_f32, store, whole_f32};
+use super::super::vectors::{Avx512, PIXELS, quarters_f32, store, whole_f32};
 use super::inputs::{OUTPUTS, SIDE_XZ, SIDE_Y};
 use super::layout::{INPUTS_COARSE, INPUTS_FINE, Kernels, PATCH_XZ, PATCH_Y, REGISTERS, RowInputs};
 

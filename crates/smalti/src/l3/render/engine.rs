@@ -3,11 +3,11 @@
 use rayon::prelude::*;
 
 use super::super::classify::{Classifier, RowClasses};
+use super::super::vectors::PIXELS;
 use super::super::window::Window;
 use super::super::{L3Error, MAX_SIDE, Pipeline};
 use super::fixed::{Entry, FixedKernels};
 use super::index::{Index, OutsideCounts};
-use super::portable::PIXELS;
 use super::simd::Rendering;
 use super::table::{Place, Run, Table};
 use crate::isp::demosaic::{BAND_ROWS, bands};

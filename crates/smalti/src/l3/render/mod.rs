@@ -18,10 +18,6 @@ mod x86;
 
 pub use fixed::FixedKernels;
 pub use index::OutsideCounts;
-pub(super) use portable::{PIXELS, interleave, tree};
-pub(super) use table::Register;
-#[cfg(target_arch = "x86_64")]
-pub(super) use x86::{Avx512, quarters_f32, store, whole_f32};
 
 use super::classify::Classifier;
 use super::refine::REACH;

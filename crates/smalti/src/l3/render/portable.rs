@@ -1,31 +1,12 @@
 //! Portable inner loops, which define the order of summation.
 
+use super::super::vectors::tree;
 use super::fixed::Entry;
-use super::table::{Run, Sample, registers_of};
+use super::table::{Run, registers_of};
 use crate::numeric::simd::Kernel;
-
-/// Pixels per iteration of the inner loops.
-pub(in super::super) const PIXELS: usize = 16;
-
-/// `out[x * lines + i] = lines[i][x]` for `columns` columns; zero beyond the end of a line.
-pub(in super::super) fn interleave<S: Sample>(lines: &[&[S]], columns: usize, out: &mut Vec<S>) {
-    out.clear();
-    out.resize(columns * lines.len(), S::default());
-    for (i, line) in lines.iter().enumerate() {
-        let places = out.iter_mut().skip(i).step_by(lines.len());
-        places.zip(*line).for_each(|(o, &v)| *o = v);
-    }
-}
 
 /// Products of a run in single precision.
 pub(super) struct Float<'r, 'a, 'p, 'q>(pub(super) &'r Run<'a, f32>, pub(super) &'p mut [&'q mut [f32]]);
-
-/// The sum of sixteen partial sums by a fixed binary tree, which vectors of pixels can evaluate together.
-#[inline(always)]
-pub(in super::super) fn tree(p: &[f32; 16]) -> f32 {
-    let four = |i: usize| (p[i] + p[i + 2]) + (p[i + 1] + p[i + 3]);
-    (four(0) + four(4)) + (four(8) + four(12))
-}
 
 impl Kernel for Float<'_, '_, '_, '_> {
     type Output = ();

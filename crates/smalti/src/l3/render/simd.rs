@@ -1,11 +1,14 @@
 //! The inner loops of each number type for the instruction sets of this machine.
 
+#[cfg(target_arch = "x86_64")]
+use super::super::vectors::Avx512;
+use super::super::vectors::interleave;
 use super::super::window::Window;
 use super::fixed::Digital;
 use super::portable;
 use super::table::{Place, Run, Sample};
 #[cfg(target_arch = "x86_64")]
-use super::x86::Avx512;
+use super::x86;
 use crate::numeric::simd::dispatch;
 
 /// A number type with its inner loops.
@@ -46,13 +49,13 @@ impl Rendering for f32 {
         if let Some(set) = Avx512::detect() {
             return set.interleave_f32(lines, columns, out);
         }
-        portable::interleave(lines, columns, out);
+        interleave(lines, columns, out);
     }
 
     fn products(run: &Run<'_, Self>, planes: &mut [&mut [f32]]) {
         #[cfg(target_arch = "x86_64")]
         if let Some(set) = Avx512::detect() {
-            return set.products_f32(run, planes);
+            return x86::products_f32(set, run, planes);
         }
         dispatch(portable::Float(run, planes));
     }
@@ -76,13 +79,13 @@ impl Rendering for i16 {
         if let Some(set) = Avx512::detect() {
             return set.interleave_i16(lines, columns, out);
         }
-        portable::interleave(lines, columns, out);
+        interleave(lines, columns, out);
     }
 
     fn products(run: &Run<'_, Self>, planes: &mut [&mut [f32]]) {
         #[cfg(target_arch = "x86_64")]
         if let Some(set) = Avx512::detect() {
-            return set.products_i16(run, planes);
+            return x86::products_i16(set, run, planes);
         }
         dispatch(portable::Fixed(run, planes));
     }

@@ -2,36 +2,13 @@
 
 use std::collections::HashMap;
 
+use super::super::vectors::Register;
+
 /// An offset enters the sum as two 16-bit weights; one is multiplied by this value, the other by 1.
 pub(super) const HIGH_PART: i32 = 1 << 14;
 
-/// 64 bytes aligned to a cache line: reading a register that spans two lines takes twice as long.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[repr(C, align(64))]
-pub(in super::super) struct Register<T, const LANES: usize>(pub(in super::super) [T; LANES]);
-
-impl<T, const LANES: usize> Register<T, LANES> {
-    /// The lanes of consecutive registers.
-    #[inline(always)]
-    pub(in super::super) fn flat(registers: &[Self]) -> &[T] {
-        const { assert!(size_of::<Self>() == LANES * size_of::<T>()) }
-        // SAFETY: a register is its lanes and nothing else.
-        unsafe { std::slice::from_raw_parts(registers.as_ptr().cast(), registers.len() * LANES) }
-    }
-
-    /// Like [`Register::flat`], but mutable.
-    #[inline(always)]
-    pub(in super::super) fn flat_mut(registers: &mut [Self]) -> &mut [T] {
-        const { assert!(size_of::<Self>() == LANES * size_of::<T>()) }
-        // SAFETY: as above.
-        unsafe { std::slice::from_raw_parts_mut(registers.as_mut_ptr().cast(), registers.len() * LANES) }
-    }
-}
-
 /// The number type of a rendering path: `f32`, or `i16` in fixed point.
-pub(in super::super) trait Sample:
-    Copy + Default + Send + Sync + std::fmt::Debug + 'static
-{
+pub(super) trait Sample: Copy + Default + Send + Sync + std::fmt::Debug + 'static {
     /// Numbers per register.
     const LANES: usize;
     /// Constants after the last tap of the patch, which multiply the offsets.
@@ -60,7 +37,7 @@ pub(super) struct Run<'a, S: Sample> {
     /// Concatenated columns of patches, starting with those of the first pixel.
     pub(super) patches: &'a [S],
     /// The first register of the kernels of each pixel (in fixed point an [`Entry`](super::fixed::Entry)),
-    /// padded with arbitrary kernels to whole vectors of [`PIXELS`](super::portable::PIXELS).
+    /// padded with arbitrary kernels to whole vectors of [`PIXELS`](super::super::vectors::PIXELS).
     pub(super) kernels: &'a [u32],
     /// Index of the first pixel in the planes.
     pub(super) at: usize,
