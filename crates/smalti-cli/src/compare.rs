@@ -65,7 +65,7 @@ pub(crate) fn run(args: &Compare, words: &[String], common: &Common) -> anyhow::
     );
     let options = &args.contest;
     let seed = options.camera_options.seed;
-    let (cache, progress) = (options.cache()?, Progress::new(0, common.quiet));
+    let (cache, progress) = (resolve::cache(options.no_cache)?, Progress::new(0, common.quiet));
     let resources = args.learning.resources(&cache, &progress);
     let contest = options.resolve(&args.cameras, &args.learning, &args.output, resources, common)?;
     let Contest { cameras, labels, .. } = &contest;

@@ -11,7 +11,6 @@ use smalti::experiment::{
 };
 use smalti::isp::Demosaic;
 use smalti::spectrum::Illuminant;
-use smalti_io::cache::Cache;
 use smalti_io::test_scenes::{TestSet, test_scene};
 use smalti_io::write;
 use smalti_report::names;
@@ -93,10 +92,6 @@ pub(crate) struct Contest {
 }
 
 impl ContestOptions {
-    pub(crate) fn cache(&self) -> anyhow::Result<Cache> {
-        Ok(if self.no_cache { Cache::disabled() } else { Cache::open(None)? })
-    }
-
     /// Resolves cameras and scenes and learns pipelines. `output` is the folder that will be written.
     pub(crate) fn resolve(
         &self,

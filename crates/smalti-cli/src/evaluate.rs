@@ -11,7 +11,6 @@ use smalti::experiment::{
     camera_differences,
 };
 use smalti::spectrum::{Observer, WavelengthGrid};
-use smalti_io::cache::Cache;
 use smalti_io::picture::{self, Depth};
 use smalti_io::write;
 use smalti_report::comparison::{
@@ -78,7 +77,7 @@ pub(crate) fn run(args: &Evaluate, words: &[String], common: &Common) -> anyhow:
     if let Some(dir) = &args.output {
         write::ensure_can_fill(dir)?;
     }
-    let cache = if args.no_cache { Cache::disabled() } else { Cache::open(None)? };
+    let cache = resolve::cache(args.no_cache)?;
     let progress = Progress::new((cameras.len() * args.luminance.len()) as u64, common.quiet);
     let resources = Resources { store: &cache, progress: &progress, ..Resources::default() };
     let tables = tables.into_iter().chain(std::iter::repeat_with(|| None));

@@ -9,6 +9,7 @@ use smalti::camera::{
 use smalti::l3::Pipeline;
 use smalti::scene::Scene;
 use smalti::spectrum::{Illuminant, Spectrum, WavelengthGrid};
+use smalti_io::cache::Cache;
 use smalti_io::cameras::LoadedCamera;
 pub(crate) use smalti_io::scene_file::is_meant as is_file;
 use smalti_io::{ReadOptions, SceneRequest, cameras, lights, scenes};
@@ -320,4 +321,9 @@ pub(crate) fn wavelengths(text: &str) -> anyhow::Result<WavelengthGrid> {
         );
     }
     WavelengthGrid::new(start, step, count as usize + 1).with_context(|| format!("--wavelengths {text}"))
+}
+
+/// The cache, unless an option turns it off.
+pub(crate) fn cache(no_cache: bool) -> anyhow::Result<Cache> {
+    Ok(if no_cache { Cache::disabled() } else { Cache::open(None)? })
 }

@@ -9,7 +9,6 @@ use serde_json::json;
 use smalti::camera::OpticalImages;
 use smalti::design::{LearningSettings, LearningStatistics, Study, Sweep, TrialProcessing, Trials};
 use smalti::names::in_one_line;
-use smalti_io::cache::Cache;
 use smalti_io::dataset::{self, ColumnKind, Plan, Shard};
 use smalti_io::studies::{self, LoadedStudy};
 use smalti_io::sweeps::{self, SweepRun, SweepSummary};
@@ -18,6 +17,7 @@ use smalti_report::names;
 use crate::args::Common;
 use crate::output::{note, tell};
 use crate::progress::Progress;
+use crate::resolve;
 use crate::table;
 use smalti::experiment::Progress as _;
 
@@ -79,7 +79,7 @@ pub(crate) fn run(args: &SweepArgs, common: &Common) -> anyhow::Result<()> {
     let LoadedStudy { trials, about, notes } = studies::load_with_notes(name).map_err(anyhow::Error::from)?;
     notes.iter().for_each(|text| note(text, common));
     let output = args.output.clone().unwrap_or_else(|| folder_of(&trials.study().name));
-    let cache = if args.no_cache { Cache::disabled() } else { Cache::open(None)? };
+    let cache = resolve::cache(args.no_cache)?;
     let images = |key: &str, make: &dyn Fn() -> _| cache.optical_image(key, make);
     let sweep = Sweep::new(&trials, &images);
     if args.dry_run {

@@ -14,7 +14,6 @@ use smalti::experiment::{
 };
 use smalti::l3::Training;
 use smalti::spectrum::Illuminant;
-use smalti_io::cache::Cache;
 use smalti_io::comparisons::{self, ComparisonFiles};
 use smalti_io::test_scenes::{TestSet, test_scene};
 use smalti_io::{cameras, memory, text, write};
@@ -27,6 +26,7 @@ use super::page;
 use crate::args::{Common, word_of};
 use crate::numbers::ensure_distinct;
 use crate::progress::Progress;
+use crate::resolve;
 use crate::table;
 
 /// Everything that a search found.
@@ -101,7 +101,7 @@ pub(super) fn run(dir: &Path, args: &DesignArgs, common: &Common) -> anyhow::Res
     };
     let proof_dir = dir.join(PROOF);
     write::ensure_can_fill(&proof_dir)?;
-    let cache = if options.no_cache { Cache::disabled() } else { Cache::open(None)? };
+    let cache = resolve::cache(options.no_cache)?;
     let progress = Progress::new(0, common.quiet);
     let resources = Resources {
         store: &cache,

@@ -14,6 +14,7 @@ use crate::contest::{Contest, ContestOptions, scene_label};
 use crate::learning_args::LearningOptions;
 use crate::numbers::{ensure_distinct, number};
 use crate::progress::Progress;
+use crate::resolve;
 
 #[derive(Debug, Clone, Args)]
 #[command(after_help = "Examples:\n  \
@@ -100,7 +101,7 @@ pub(super) fn run(args: &Init, words: &[String], common: &Common) -> anyhow::Res
     );
     let options = &args.contest;
     let seed = options.camera_options.seed;
-    let (cache, progress) = (options.cache()?, Progress::new(0, common.quiet));
+    let (cache, progress) = (resolve::cache(options.no_cache)?, Progress::new(0, common.quiet));
     let resources = args.learning.resources(&cache, &progress);
     let contest = options.resolve(&args.cameras, &args.learning, &args.output, resources, common)?;
     let Contest { scenes, illuminant, .. } = &contest;

@@ -52,6 +52,17 @@ impl ComparisonSettings {
     pub fn seeds(&self) -> Range<u64> {
         self.seed..self.seed.saturating_add(self.seed_count.max(1))
     }
+
+    /// The pictures; `setups` are the scenes imaged on one of the cameras, in the same order, or none.
+    #[must_use]
+    pub fn pictures<'a>(&'a self, setups: &'a [Setup]) -> ComparedPictures<'a> {
+        ComparedPictures {
+            scenes: &self.scenes,
+            luminances_cd_m2: &self.luminances_cd_m2,
+            illuminant: &self.illuminant,
+            setups,
+        }
+    }
 }
 
 /// Compares contenders on scenes. The result holds an outcome for each contender and luminance, and a verdict. Cameras with the
@@ -75,12 +86,7 @@ pub fn compare(
     let cameras: Vec<(&str, &Camera)> = contenders.iter().map(|c| (c.label, c.camera)).collect();
     // The first camera's images serve the exposure times and the verdict as well.
     let setups = contenders.first().map_or(Ok(Vec::new()), |c| imaged(c, settings, &[], resources))?;
-    let pictures = ComparedPictures {
-        scenes: &settings.scenes,
-        luminances_cd_m2: &settings.luminances_cd_m2,
-        illuminant: &settings.illuminant,
-        setups: &setups,
-    };
+    let pictures = settings.pictures(&setups);
     let exposure = ExposurePlan::new(settings.exposure, &cameras, pictures, resources)?;
     let explained = |c: &Contender<'_>, e: ExperimentError| exposure.explained(c.label, e);
     let mut outcomes = Vec::with_capacity(contenders.len());

@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::comparison::{imaged, scene_scores};
 use super::contender::{Contender, pipelines};
 use super::error::StageContext;
-use super::exposure::{ComparedPictures, ExposurePlan, ExposurePolicy};
+use super::exposure::{ExposurePlan, ExposurePolicy};
 use super::picture_figures::{LightFigures, PictureFigures};
 use super::store::Store;
 use super::{ComparisonSettings, ExperimentError, Processing, Progress, Resources, scene_lights};
@@ -219,12 +219,7 @@ fn figures(
     resources: Resources<'_>,
 ) -> Result<PictureFigures, ExperimentError> {
     let progress = resources.progress;
-    let pictures = ComparedPictures {
-        scenes: &settings.scenes,
-        luminances_cd_m2: &settings.luminances_cd_m2,
-        illuminant: &settings.illuminant,
-        setups,
-    };
+    let pictures = settings.pictures(setups);
     let own =
         ExposurePlan::new(ExposurePolicy::Own, &[(contender.label, contender.camera)], pictures, resources)?;
     let none = LightFigures { metrics: Default::default(), time_s: 0.0 };

@@ -5,7 +5,7 @@ use super::comparison::{ComparisonSettings, imaged};
 use super::contender::Contender;
 use super::error::StageContext;
 use super::progress::ensure_running;
-use super::{ComparedPictures, ExperimentError, ExposurePlan, Resources};
+use super::{ExperimentError, ExposurePlan, Resources};
 use crate::camera::compare::IntegratedScene;
 use crate::camera::{
     COMPARED_NOISE_CAPTURES, CameraError, Evaluation, EvaluationSettings, Setup, score_picture,
@@ -79,12 +79,7 @@ pub fn rated_scenes(
     resources.progress.expect(steps as u64);
     let setups = imaged(first, settings, &[], resources)?;
     let cameras: Vec<_> = contenders.iter().map(|c| (c.label, c.camera)).collect();
-    let pictures = ComparedPictures {
-        scenes: &settings.scenes,
-        luminances_cd_m2: &settings.luminances_cd_m2,
-        illuminant: &settings.illuminant,
-        setups: &setups,
-    };
+    let pictures = settings.pictures(&setups);
     let exposure = ExposurePlan::new(settings.exposure, &cameras, pictures, resources)?;
     let targets = |condition: &RatedCondition| {
         let contender = &contenders[condition.contender];

@@ -1,9 +1,7 @@
 //! Kernels and inputs in the layout of the inner loop.
 
 use super::super::blocks::LANES;
-#[cfg(target_arch = "x86_64")]
-use super::super::vectors::Avx512;
-use super::super::vectors::{PIXELS, Register};
+use super::super::vectors::{PIXELS, Register, interleave_f32};
 use super::inputs::{COUNT, Lines, OUTPUTS, SIDE_XZ, SIDE_Y};
 use super::stages::{FINE, MARGIN, SCALES, Stages};
 
@@ -80,7 +78,7 @@ impl RowInputs {
             let mut all = [&[] as &[f32]; INPUTS_FINE + INPUTS_COARSE];
             let all = &mut all[..lines.len()];
             all.iter_mut().zip(lines).for_each(|(all, line)| *all = &line[MARGIN - margin..]);
-            interleave(all, columns, out);
+            interleave_f32(all, columns, out);
         };
         let cols = cols.next_multiple_of(PIXELS);
         from(y, SIDE_Y / 2, cols + SIDE_Y - 1, &mut self.y);
@@ -94,12 +92,4 @@ impl RowInputs {
             self.row = Some(row / 2);
         }
     }
-}
-
-fn interleave(lines: &[&[f32]], columns: usize, out: &mut Vec<f32>) {
-    #[cfg(target_arch = "x86_64")]
-    if let Some(set) = Avx512::detect() {
-        return set.interleave_f32(lines, columns, out);
-    }
-    super::super::vectors::interleave(lines, columns, out);
 }

@@ -1,7 +1,5 @@
 //! The picture and its smooth versions, with mirrored margins.
 
-use std::ops::Range;
-
 use rayon::prelude::*;
 
 use super::super::blocks::{BLOCK, LANES, values, values_mut};
@@ -166,18 +164,9 @@ impl Stages {
     }
 }
 
-/// The rows of every picture on which outputs depend; those of the coarse pictures begin with the one that the first output reads. Rows
-/// beyond the picture count.
-fn needed(outputs: Range<isize>) -> [Range<isize>; PICTURES] {
-    let mut all = std::array::from_fn(|_| 0..0);
-    let mut rows = outputs.start.div_euclid(2)..(outputs.end + 1).div_euclid(2);
-    for (index, step) in STEPS.into_iter().enumerate().rev() {
-        all[index] = rows.clone();
-        let step = step as isize;
-        rows =
-            if index == HALF { 2 * rows.start..2 * rows.end - 1 } else { rows.start - step..rows.end + step };
-    }
-    all
+/// The row of a picture at a row of the outputs, rounded down where the picture has every second row.
+fn row_of(index: usize, output: isize) -> isize {
+    if index < HALF { output } else { output.div_euclid(2) }
 }
 
 /// Rows of every picture, in its own rows, beyond the outputs that depend on them, for outputs from an even row on.
@@ -223,7 +212,7 @@ impl RollingStages {
             stages: Stages(std::array::from_fn(padded)),
             noise: tolerated(noise),
             first,
-            ready: needed(first..first).map(|rows| rows.start.max(0) as usize),
+            ready: std::array::from_fn(|i| (row_of(i, first) - BEYOND[i] as isize).max(0) as usize),
             end: first - 2 * ROWS_BEYOND as isize,
         }
     }
@@ -234,10 +223,11 @@ impl RollingStages {
         while self.end < end as isize {
             let goal = if self.end < self.first { self.first } else { end as isize };
             self.end = (self.end + Self::ROWS as isize).min(goal);
-            for (index, rows) in needed(self.end..self.end).into_iter().enumerate() {
+            for (index, beyond) in BEYOND.into_iter().enumerate() {
                 let (before, after) = self.stages.0.split_at_mut(index);
                 let Some(padded) = after.first_mut() else { return };
-                let until = rows.end.clamp(0, padded.rows as isize) as usize;
+                let end = row_of(index, self.end - 1) + 1 + beyond as isize;
+                let until = end.clamp(0, padded.rows as isize) as usize;
                 for row in self.ready[index]..until {
                     padded.write(row, |planes| match before.last() {
                         None => source(row, planes),

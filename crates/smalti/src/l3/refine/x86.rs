@@ -2,12 +2,11 @@
 
 use std::arch::x86_64::*;
 
+use super::super::blocks::LANES;
 use super::super::vectors::{Avx512, PIXELS, quarters_f32, store, whole_f32};
 use super::inputs::{OUTPUTS, SIDE_XZ, SIDE_Y};
 use super::layout::{INPUTS_COARSE, INPUTS_FINE, Kernels, PATCH_XZ, PATCH_Y, REGISTERS, RowInputs};
 
-/// Lanes of a register.
-const LANES: usize = 16;
 /// Lanes of the second register that hold the end of the patch of Y; the rest hold the beginning of that of X and Z.
 const END_Y: usize = PATCH_Y - LANES;
 const BEGIN_XZ: usize = LANES - END_Y;

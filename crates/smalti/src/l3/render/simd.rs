@@ -2,7 +2,7 @@
 
 #[cfg(target_arch = "x86_64")]
 use super::super::vectors::Avx512;
-use super::super::vectors::interleave;
+use super::super::vectors::{interleave_f32, interleave_i16};
 use super::super::window::Window;
 use super::fixed::Digital;
 use super::portable;
@@ -45,11 +45,7 @@ impl Rendering for f32 {
     }
 
     fn interleave(lines: &[&[Self]], columns: usize, out: &mut Vec<Self>) {
-        #[cfg(target_arch = "x86_64")]
-        if let Some(set) = Avx512::detect() {
-            return set.interleave_f32(lines, columns, out);
-        }
-        interleave(lines, columns, out);
+        interleave_f32(lines, columns, out);
     }
 
     fn products(run: &Run<'_, Self>, planes: &mut [&mut [f32]]) {
@@ -75,11 +71,7 @@ impl Rendering for i16 {
     }
 
     fn interleave(lines: &[&[Self]], columns: usize, out: &mut Vec<Self>) {
-        #[cfg(target_arch = "x86_64")]
-        if let Some(set) = Avx512::detect() {
-            return set.interleave_i16(lines, columns, out);
-        }
-        interleave(lines, columns, out);
+        interleave_i16(lines, columns, out);
     }
 
     fn products(run: &Run<'_, Self>, planes: &mut [&mut [f32]]) {

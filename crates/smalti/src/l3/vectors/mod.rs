@@ -32,8 +32,26 @@ impl<T, const LANES: usize> Register<T, LANES> {
 /// Pixels per iteration of the inner loops.
 pub(super) const PIXELS: usize = 16;
 
-/// `out[x * lines + i] = lines[i][x]` for `columns` columns; zero beyond the end of a line.
-pub(super) fn interleave<S: Copy + Default>(lines: &[&[S]], columns: usize, out: &mut Vec<S>) {
+/// `out[x * lines + i] = lines[i][x]` for at least `columns` columns. Lines extend a register beyond the last column.
+pub(super) fn interleave_f32(lines: &[&[f32]], columns: usize, out: &mut Vec<f32>) {
+    #[cfg(target_arch = "x86_64")]
+    if let Some(set) = Avx512::detect() {
+        return set.interleave_f32(lines, columns, out);
+    }
+    interleave(lines, columns, out);
+}
+
+/// As [`interleave_f32`].
+pub(super) fn interleave_i16(lines: &[&[i16]], columns: usize, out: &mut Vec<i16>) {
+    #[cfg(target_arch = "x86_64")]
+    if let Some(set) = Avx512::detect() {
+        return set.interleave_i16(lines, columns, out);
+    }
+    interleave(lines, columns, out);
+}
+
+/// The same for any number type and processor; zero beyond the end of a line.
+fn interleave<S: Copy + Default>(lines: &[&[S]], columns: usize, out: &mut Vec<S>) {
     out.clear();
     out.resize(columns * lines.len(), S::default());
     for (i, line) in lines.iter().enumerate() {
