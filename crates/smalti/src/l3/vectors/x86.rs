@@ -3,7 +3,7 @@
 use std::arch::x86_64::*;
 
 use super::super::MAX_SIDE;
-use super::PIXELS;
+use super::portable::{self, PIXELS};
 use crate::numeric::simd::has_avx512;
 
 /// Calls a function that is compiled for each side of a patch.
@@ -70,7 +70,7 @@ const fn lanes_of<const P: usize>(lanes: usize) -> [[u32; P]; P] {
 fn interleave_f32<const P: usize>(lines: &[&[f32]], columns: usize, out: &mut Vec<f32>) {
     let blocks = columns.div_ceil(16);
     let Some(lines) = lines.first_chunk::<P>().filter(|l| l.iter().all(|l| l.len() >= blocks * 16)) else {
-        return super::interleave(lines, columns, out);
+        return portable::interleave(lines, columns, out);
     };
     out.resize(blocks * 16 * P, 0.0);
     let (places, masks) = const { (columns_of::<P, 16>(), lanes_of::<P>(16)) };
@@ -98,7 +98,7 @@ fn interleave_f32<const P: usize>(lines: &[&[f32]], columns: usize, out: &mut Ve
 fn interleave_i16<const P: usize>(lines: &[&[i16]], columns: usize, out: &mut Vec<i16>) {
     let blocks = columns.div_ceil(32);
     let Some(lines) = lines.first_chunk::<P>().filter(|l| l.iter().all(|l| l.len() >= blocks * 32)) else {
-        return super::interleave(lines, columns, out);
+        return portable::interleave(lines, columns, out);
     };
     out.resize(blocks * 32 * P, 0);
     let (places, masks) = const { (columns_of::<P, 32>(), lanes_of::<P>(32)) };
