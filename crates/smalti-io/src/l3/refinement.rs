@@ -1,7 +1,7 @@
 //! The second stage of a learned table.
 
 use serde_json::json;
-use smalti::l3::{REFINEMENT_INPUTS, Refinement, RefinementAxes, RefinementClass};
+use smalti::l3::{REFINEMENT_INPUTS, REFINEMENT_LINEAR_INPUTS, Refinement, RefinementAxes, RefinementClass};
 
 use crate::IoError;
 use crate::container::{Content, Opened};
@@ -33,7 +33,7 @@ pub(super) fn read(opened: &Opened<'_>) -> Result<Option<Refinement>, IoError> {
     let axes: RefinementAxes = opened.json(AXES)?;
     let classes = [axes.levels().count(), axes.structures()];
     let of_classes = |more: &[usize]| [&classes, more].concat();
-    let weights = opened.shaped("refinement_weights", &of_classes(&[OUTPUTS, REFINEMENT_INPUTS]))?;
+    let weights = weights(opened, &of_classes(&[OUTPUTS]))?;
     let offsets = opened.shaped("refinement_offsets", &of_classes(&[OUTPUTS]))?;
     let counts: Vec<u64> = opened.shaped("refinement_counts", &classes)?;
     let learned: Vec<u8> = opened.shaped("refinement_learned", &classes)?;
@@ -46,4 +46,17 @@ pub(super) fn read(opened: &Opened<'_>) -> Result<Option<Refinement>, IoError> {
     };
     let classes = counts.into_iter().zip(learned).enumerate().map(class).collect::<Result<_, _>>()?;
     Refinement::new(axes, classes, weights, offsets).map(Some).at(opened.path())
+}
+
+/// The weights of all inputs. Those of the inputs that tables before version 5 lack are 0.
+fn weights(opened: &Opened<'_>, outputs: &[usize]) -> Result<Vec<f32>, IoError> {
+    const NAME: &str = "refinement_weights";
+    let of = |inputs: usize| [outputs, &[inputs]].concat();
+    let (shape, stored): (Vec<usize>, Vec<f32>) = opened.any(NAME, outputs.len() + 1)?;
+    if shape != of(REFINEMENT_LINEAR_INPUTS) {
+        return opened.shaped(NAME, &of(REFINEMENT_INPUTS));
+    }
+    let absent = [0.0; REFINEMENT_INPUTS - REFINEMENT_LINEAR_INPUTS];
+    let kernels = stored.chunks_exact(REFINEMENT_LINEAR_INPUTS);
+    Ok(kernels.flat_map(|kernel| kernel.iter().copied().chain(absent)).collect())
 }

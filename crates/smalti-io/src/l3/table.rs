@@ -11,8 +11,8 @@ use crate::error::At;
 use crate::{IoError, Limits, file};
 
 const FORMAT: &str = "smalti-l3-table";
-/// Versions 2 to 4 may have a second stage; tables without one are still written as version 1, which earlier programs read.
-const VERSIONS: [&str; 4] = ["1", "2", "3", "4"];
+/// Versions from 2 on may have a second stage; tables without one are still written as version 1, which earlier programs read.
+const VERSIONS: [&str; 5] = ["1", "2", "3", "4", "5"];
 
 /// Writes a pipeline, to be read back bit for bit. Equal pipelines give equal files.
 ///
@@ -32,7 +32,7 @@ pub(super) fn content(pipeline: &Pipeline) -> Content {
     let axes = pipeline.axes();
     let mut content = Content::default();
     content.text("format", FORMAT);
-    content.text("version", VERSIONS[if pipeline.refinement().is_some() { 3 } else { 0 }]);
+    content.text("version", VERSIONS[if pipeline.refinement().is_some() { 4 } else { 0 }]);
     axes::put(&mut content, axes);
     content.text("channel_names", json!(pipeline.channel_names()));
     content.text("outputs", json!(pipeline.outputs()));

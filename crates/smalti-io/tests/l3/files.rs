@@ -2,7 +2,11 @@
 
 use std::path::Path;
 
-use smalti::l3::{Pair, Pipeline, Quality, REFINEMENT_INPUTS, Refinement, RefinementClass};
+use safetensors::tensor::TensorView;
+use safetensors::{Dtype, SafeTensors};
+use smalti::l3::{
+    Pair, Pipeline, Quality, REFINEMENT_INPUTS, REFINEMENT_LINEAR_INPUTS, Refinement, RefinementClass,
+};
 use smalti::numeric::Planes;
 use smalti_io::IoError;
 use smalti_io::l3::{
@@ -60,14 +64,44 @@ fn a_second_stage_of_version_2_is_read() {
     let first = text.find(r#",\"orientations\":4"#).unwrap();
     let stated = &text[first..first + text[first..].find('}').unwrap()];
     let earlier = with(&bytes, stated, &" ".repeat(stated.len()));
-    let earlier = with(&earlier, r#""version":"4""#, r#""version":"2""#);
+    let earlier = with(&earlier, r#""version":"5""#, r#""version":"2""#);
     let found = error(&earlier);
     let IoError::Damaged { found, stated, .. } = found else { panic!("{found}") };
     let read = table_from_bytes(&with(&earlier, &stated, &found), Path::new("a.l3")).unwrap();
     assert_eq!(read, both);
 }
 
-/// A second stage comes back bit for bit and is version 4 of the format; tables of one stage stay version 1.
+/// Tables before version 5 lack the weights of the roots, which are then 0.
+#[test]
+fn a_second_stage_of_version_4_is_read() {
+    let axes = second_stage().axes().clone().with_structures(vec![0.5], 4).unwrap();
+    let classes = vec![RefinementClass { count: 9, is_learned: true }; axes.count()];
+    let is_root = |i: usize| i % REFINEMENT_INPUTS >= REFINEMENT_LINEAR_INPUTS;
+    let weight = |i: usize| if is_root(i) { 0.0 } else { 0.001 * (i % 1009) as f32 };
+    let weights: Vec<f32> = (0..axes.count() * 3 * REFINEMENT_INPUTS).map(weight).collect();
+    let second = Refinement::new(axes.clone(), classes, weights, vec![0.001; axes.count() * 3]).unwrap();
+    let both = picture_pipeline().with_refinement(Some(second)).unwrap();
+    let bytes = bytes_of(&both);
+    // The file without these weights.
+    let (_, header) = SafeTensors::read_metadata(&bytes).unwrap();
+    let opened = SafeTensors::deserialize(&bytes).unwrap();
+    let shape = [axes.levels().count(), axes.structures(), 3, REFINEMENT_LINEAR_INPUTS];
+    let kernels = opened.tensor("refinement_weights").unwrap().data().chunks_exact(4 * REFINEMENT_INPUTS);
+    let linear =
+        kernels.flat_map(|kernel| &kernel[..4 * REFINEMENT_LINEAR_INPUTS]).copied().collect::<Vec<u8>>();
+    let tensors = opened.iter().map(|(name, view)| match name {
+        "refinement_weights" => (name, TensorView::new(Dtype::F32, shape.to_vec(), &linear).unwrap()),
+        _ => (name, view),
+    });
+    let earlier = safetensors::serialize(tensors, header.metadata().clone()).unwrap();
+    let earlier = with(&earlier, r#""version":"5""#, r#""version":"4""#);
+    let found = error(&earlier);
+    let IoError::Damaged { found, stated, .. } = found else { panic!("{found}") };
+    let read = table_from_bytes(&with(&earlier, &stated, &found), Path::new("a.l3")).unwrap();
+    assert_eq!(read, both);
+}
+
+/// A second stage comes back bit for bit and is version 5 of the format; tables of one stage stay version 1.
 #[test]
 fn a_second_stage_comes_back_bit_for_bit() {
     let first = picture_pipeline();
@@ -78,7 +112,7 @@ fn a_second_stage_comes_back_bit_for_bit() {
     assert!(version(&bytes_of(&first), 1));
     let both = first.clone().with_refinement(Some(second_stage())).unwrap();
     let bytes = bytes_of(&both);
-    assert!(version(&bytes, 4));
+    assert!(version(&bytes, 5));
     let read = table_from_bytes(&bytes, Path::new("a.l3")).unwrap();
     assert_eq!(read, both);
     assert_eq!(read.quality(), Quality::Best);
@@ -180,10 +214,10 @@ fn what_is_wrong_is_said() {
     assert!(cut.starts_with("a.l3: its arrays needs") && cut.contains("cut short"), "{cut}");
     let cut = message(&good[..300]);
     assert!(cut.starts_with("a.l3: its header needs") && cut.contains("cut short"), "{cut}");
-    let other = message(&with(&good, r#""version":"1""#, r#""version":"5""#));
+    let other = message(&with(&good, r#""version":"1""#, r#""version":"6""#));
     assert_eq!(
         other,
-        "a.l3: it is version 5 of the smalti-l3-table format; version 1 or 2 or 3 or 4 is read here"
+        "a.l3: it is version 6 of the smalti-l3-table format; version 1 or 2 or 3 or 4 or 5 is read here"
     );
     let other = message(&with(&good, "smalti-l3-table", "someone-s-table"));
     assert_eq!(other, "a.l3: format is 'someone-s-table'; expected 'smalti-l3-table'");

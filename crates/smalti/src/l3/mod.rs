@@ -57,7 +57,8 @@ pub use moments::Moments;
 pub use pair::Pair;
 pub use pipeline::{Class, Kernels, Origin, Pipeline, PipelineParts};
 pub use refine::{
-    REFINEMENT_INPUTS, REFINEMENT_REVISION, Refinement, RefinementAxes, RefinementClass, RefinementStatistics,
+    REFINEMENT_INPUTS, REFINEMENT_LINEAR_INPUTS, REFINEMENT_REVISION, Refinement, RefinementAxes,
+    RefinementClass, RefinementStatistics,
 };
 pub use registration::{
     Aligned, GOOD_CORRELATION, GOOD_RESIDUAL_PX, MIN_CORRELATION, MIN_SIDE, RESOLVED_SHIFT_PX, Registration,

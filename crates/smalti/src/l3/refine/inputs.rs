@@ -1,5 +1,6 @@
 //! The inputs of the second stage at a pixel.
 
+use super::roots::{ROOTS, roots};
 use super::stages::{FINE, MARGIN, SCALES, Stages};
 
 /// Outputs: X, Y, Z.
@@ -8,8 +9,12 @@ pub(super) const OUTPUTS: usize = 3;
 pub(super) const SIDE_Y: usize = 5;
 /// Side of the neighbourhoods of X and Z.
 pub(super) const SIDE_XZ: usize = 3;
-/// Number of inputs: Y of 5 × 5 pixels, X of 3 × 3, Z of 3 × 3, and X, Y, Z of every smooth picture.
-pub(super) const COUNT: usize = SIDE_Y * SIDE_Y + 2 * SIDE_XZ * SIDE_XZ + 3 * SCALES;
+/// Number of inputs that are linear in the picture: Y of 5 × 5 pixels, X of 3 × 3, Z of 3 × 3, and X, Y, Z of every smooth picture.
+pub(super) const LINEAR: usize = SIDE_Y * SIDE_Y + 2 * SIDE_XZ * SIDE_XZ + 3 * SCALES;
+/// Number of inputs: the linear ones, and the roots of one of the smooth pictures.
+pub(super) const COUNT: usize = LINEAR + ROOTS;
+/// The smooth picture of the roots: little noise is left in it, and the root of noise is biased.
+pub(super) const ROOTS_OF: usize = 2;
 /// Neighbourhoods: the plane, and the side.
 const NEIGHBOURHOODS: [(usize, usize); 3] = [(1, SIDE_Y), (0, SIDE_XZ), (2, SIDE_XZ)];
 
@@ -58,8 +63,15 @@ impl<'a> Lines<'a> {
                 line[from..from + side].iter().zip(places.by_ref()).for_each(|(v, place)| *place = *v);
             }
         }
-        for (i, (place, line)) in places.zip(self.smooth).enumerate() {
+        for (i, (line, place)) in self.smooth.iter().zip(places.by_ref()).enumerate() {
             *place = line[MARGIN + if i / 3 < FINE { col } else { col / 2 }];
         }
+        let [x, y, z] = self.of_roots().map(|line| line[MARGIN + col]);
+        places.zip(roots(x, y, z)).for_each(|(place, root)| *place = root);
+    }
+
+    /// X, Y, Z of the smooth picture of the roots.
+    pub(super) fn of_roots(&self) -> [&'a [f32]; 3] {
+        std::array::from_fn(|plane| self.smooth[3 * ROOTS_OF + plane])
     }
 }

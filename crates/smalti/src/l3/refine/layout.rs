@@ -2,18 +2,20 @@
 
 use super::super::blocks::LANES;
 use super::super::vectors::{PIXELS, Register, interleave_f32};
-use super::inputs::{COUNT, Lines, OUTPUTS, SIDE_XZ, SIDE_Y};
+use super::inputs::{COUNT, LINEAR, Lines, OUTPUTS, SIDE_XZ, SIDE_Y};
+use super::roots::{ROOTS, roots_of_row};
 use super::stages::{FINE, MARGIN, SCALES, Stages};
 
-/// Registers of an output's kernel: those of the two patches, and one for the smooth pictures.
-pub(super) const REGISTERS: usize = (PATCH_Y + PATCH_XZ).div_ceil(LANES) + 1;
+/// Registers of an output's kernel: those of the two patches and of the roots, and one for the smooth pictures.
+pub(super) const REGISTERS: usize = (PATCH_Y + PATCH_XZ + ROOTS).div_ceil(LANES) + 1;
 /// The kernels of a class: outputs × registers.
 pub(super) type Kernels = [[Register<f32, LANES>; REGISTERS]; OUTPUTS];
 
-// The inputs in the order of lanes: the patch of Y column by column, that of X and Z (those of X, then those of Z in each column), and in
+// The inputs in the order of lanes: the patch of Y column by column, that of X and Z (those of X, then those of Z in each column), the roots, and in
 // the last register the fine smooth pictures, the coarse ones and 1, the input of the offset.
 pub(super) const PATCH_Y: usize = SIDE_Y * SIDE_Y;
 pub(super) const PATCH_XZ: usize = 2 * SIDE_XZ * SIDE_XZ;
+pub(super) const FIRST_ROOT: usize = PATCH_Y + PATCH_XZ;
 pub(super) const INPUTS_FINE: usize = 3 * FINE;
 pub(super) const INPUTS_COARSE: usize = 3 * (SCALES - FINE) + 1;
 pub(super) const FIRST_SMOOTH: usize = LANES * (REGISTERS - 1);
@@ -22,6 +24,9 @@ const OFFSET: usize = LANES * REGISTERS - 1;
 /// The lane of an input in the order of [`Lines::read`].
 fn lane_of(input: usize) -> usize {
     let in_patch = |i: usize, side: usize| [i / side, i % side];
+    if let Some(root) = input.checked_sub(LINEAR) {
+        return FIRST_ROOT + root;
+    }
     if let Some(smooth) = input.checked_sub(PATCH_Y + PATCH_XZ) {
         return FIRST_SMOOTH + smooth;
     }
@@ -60,18 +65,23 @@ pub(super) struct RowInputs {
     pub(super) y: Vec<f32>,
     /// The same, from one pixel to the left on.
     pub(super) xz: Vec<f32>,
+    pub(super) roots: Vec<f32>,
     pub(super) fine: Vec<f32>,
     /// For every second pixel.
     pub(super) coarse: Vec<f32>,
     /// The row of the coarse pictures that is read.
     row: Option<usize>,
     ones: Vec<f32>,
+    /// The roots before they are interleaved.
+    root_lines: [Vec<f32>; ROOTS],
 }
 
 impl RowInputs {
     /// Reads a row of `cols` pixels.
     pub(super) fn read(&mut self, stages: &Stages, row: usize, cols: usize) {
-        let Lines { neighbours, smooth } = Lines::of(stages, row);
+        let lines = Lines::of(stages, row);
+        let colours = lines.of_roots();
+        let Lines { neighbours, smooth } = lines;
         let (y, xz) = neighbours.split_at(SIDE_Y);
         let (fine, coarse) = smooth.split_at(INPUTS_FINE);
         let from = |lines: &[&[f32]], margin: usize, columns: usize, out: &mut Vec<f32>| {
@@ -84,6 +94,10 @@ impl RowInputs {
         from(y, SIDE_Y / 2, cols + SIDE_Y - 1, &mut self.y);
         from(xz, SIDE_XZ / 2, cols + SIDE_XZ - 1, &mut self.xz);
         from(fine, 0, cols, &mut self.fine);
+        let padded = MARGIN + cols + LANES;
+        self.root_lines.iter_mut().for_each(|line| line.resize(padded, 0.0));
+        roots_of_row(colours.map(|line| &line[..padded]), &mut self.root_lines);
+        from(&self.root_lines.each_ref().map(Vec::as_slice), 0, cols, &mut self.roots);
         if self.row != Some(row / 2) {
             self.ones.resize(MARGIN + (cols / 2).next_multiple_of(LANES), 1.0);
             let mut all = [&*self.ones; INPUTS_COARSE];

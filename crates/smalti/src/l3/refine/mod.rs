@@ -8,8 +8,8 @@
 //!    differ by more than the noise ([dammertz2010]). Edges stay, and flat areas become means over 63 × 63 pixels. The last two pictures have every
 //!    second row and column.
 //! 2. [`classes`] classifies every pixel by brightness and by the structure tensor of the first of these pictures, relative to the noise.
-//! 3. The output is linear in the pixel's neighbourhood in the picture and in the five smooth colours ([`inputs`], [`products`]). The kernels of
-//!    each class minimise the squared error over the training pictures, in closed form from streamed moments ([`RefinementStatistics`]).
+//! 3. The output is linear in the pixel's neighbourhood in the picture, in the five smooth colours and in roots of products of the channels of
+//!    one of them, which correct what is not linear in colour ([`inputs`], [`roots`], [`products`]). The kernels of each class minimise the squared error over the training pictures, in closed form from streamed moments ([`RefinementStatistics`]).
 //!
 //! [dammertz2010]: https://doi.org/10.2312/EGGH/HPG10/067-075
 
@@ -19,6 +19,7 @@ mod inputs;
 mod layout;
 mod products;
 mod refinement;
+mod roots;
 mod stages;
 mod statistics;
 #[cfg(test)]
@@ -27,7 +28,7 @@ mod tests;
 mod x86;
 
 pub use axes::RefinementAxes;
-pub use refinement::{REFINEMENT_INPUTS, Refinement, RefinementClass};
+pub use refinement::{REFINEMENT_INPUTS, REFINEMENT_LINEAR_INPUTS, Refinement, RefinementClass};
 pub use statistics::{REFINEMENT_REVISION, RefinementStatistics};
 
 pub(super) use stages::REACH;

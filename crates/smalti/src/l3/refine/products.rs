@@ -4,8 +4,9 @@ use super::super::blocks::LANES;
 use super::super::vectors::{Register, tree};
 use super::inputs::{OUTPUTS, SIDE_XZ, SIDE_Y};
 use super::layout::{
-    FIRST_SMOOTH, INPUTS_COARSE, INPUTS_FINE, Kernels, PATCH_XZ, PATCH_Y, REGISTERS, RowInputs,
+    FIRST_ROOT, FIRST_SMOOTH, INPUTS_COARSE, INPUTS_FINE, Kernels, PATCH_XZ, PATCH_Y, REGISTERS, RowInputs,
 };
+use super::roots::ROOTS;
 use crate::numeric::simd::{Kernel, dispatch};
 
 /// Writes X, Y and Z of a row: Σ weight · input over the kernels of each pixel's class. `classes` are padded to whole vectors of pixels.
@@ -42,6 +43,7 @@ impl Kernel for Products<'_> {
             };
             copy(&inputs.y, SIDE_Y, col, 0, PATCH_Y);
             copy(&inputs.xz, 2 * SIDE_XZ, col, PATCH_Y, PATCH_XZ);
+            copy(&inputs.roots, ROOTS, col, FIRST_ROOT, ROOTS);
             copy(&inputs.fine, INPUTS_FINE, col, FIRST_SMOOTH, INPUTS_FINE);
             copy(&inputs.coarse, INPUTS_COARSE, col / 2, FIRST_SMOOTH + INPUTS_FINE, INPUTS_COARSE);
             for (kernel, plane) in kernels.iter().zip(&mut out) {

@@ -8,7 +8,7 @@ use super::super::L3Error;
 use super::super::blocks::LANES;
 use super::axes::RefinementAxes;
 use super::classes::{Scratch, classify};
-use super::inputs::{COUNT, OUTPUTS};
+use super::inputs::{COUNT, LINEAR, OUTPUTS};
 use super::layout::{Kernels, RowInputs, arranged, weights_of};
 use super::products::products;
 use super::stages::{ROWS_BEYOND, RollingStages, copy_row};
@@ -18,8 +18,11 @@ use crate::numeric::Planes;
 /// Least pixels of a strip, which computes the stages of a few rows beyond itself as well.
 const STRIP_PIXELS: usize = 1 << 19;
 /// Number of inputs of the second stage: Y of the 5 × 5 pixels around the pixel, X and Z of 3 × 3, in row order, then X, Y, Z of the five
-/// smooth pictures, the finest first. The last two have every second row and column.
+/// smooth pictures, the finest first, of which the last two have every second row and column, then √(r g), √(g b) and √(b r) of the third, in
+/// linear BT.2020.
 pub const REFINEMENT_INPUTS: usize = COUNT;
+/// Number of those inputs that are linear in the picture. Tables of earlier versions have no others.
+pub const REFINEMENT_LINEAR_INPUTS: usize = LINEAR;
 
 /// A class of the second stage.
 #[derive(Debug, Clone, Copy, PartialEq)]

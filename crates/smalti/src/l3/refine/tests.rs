@@ -232,3 +232,61 @@ fn a_picture_may_count_several_times() {
     let far = once.weights().zip(thrice.weights()).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
     assert!(far < 1e-4, "{far}");
 }
+
+/// A kernel that picks one input gives what training reads for it, at every pixel.
+#[test]
+fn rendering_and_training_read_the_same_inputs() {
+    let axes = axes().with_structures(vec![0.5], 4).unwrap();
+    let picture = noisy(&tiles(19, 37, 6, 8), 3);
+    let stages = Stages::of(&picture, axes.noise());
+    let classes = vec![RefinementClass { count: 1, is_learned: true }; axes.count()];
+    for input in 0..REFINEMENT_INPUTS {
+        let mut weights = vec![0.0; axes.count() * 3 * REFINEMENT_INPUTS];
+        weights.iter_mut().skip(input).step_by(REFINEMENT_INPUTS).for_each(|w| *w = 1.0);
+        let offsets = vec![0.0; axes.count() * 3];
+        let picks = Refinement::new(axes.clone(), classes.clone(), weights, offsets).unwrap();
+        let mut found = picture.clone();
+        picks.apply(&mut found).unwrap();
+        let mut read = [0.0; REFINEMENT_INPUTS];
+        for (pixel, value) in found.data().iter().enumerate().take(19 * 37) {
+            super::inputs::Lines::of(&stages, pixel / 37).read(pixel % 37, &mut read);
+            assert_eq!(value.to_bits(), (read[input] + 0.0).to_bits(), "input {input}, pixel {pixel}");
+        }
+    }
+}
+
+#[test]
+fn roots_scale_with_the_light_and_are_those_of_a_row() {
+    let colours = [[0.3, 0.2, 0.05], [0.0, 0.0, 0.0], [-0.1, 0.02, 0.4], [0.95, 1.0, 1.09]];
+    for [x, y, z] in colours {
+        let own = super::roots::roots(x, y, z);
+        let doubled = super::roots::roots(2.0 * x, 2.0 * y, 2.0 * z);
+        assert!(own.iter().zip(doubled).all(|(a, b)| (2.0 * a - b).abs() < 1e-6), "{own:?} {doubled:?}");
+    }
+    // White of D65 is grey, of which every root is the luminance.
+    let white = super::roots::roots(0.950_456, 1.0, 1.089_058);
+    assert!(white.iter().all(|v| (v - 1.0).abs() < 1e-3), "{white:?}");
+}
+
+/// A colour error that no matrix corrects: the second stage learns it, and corrects colours at light that it has not seen.
+#[test]
+fn colours_are_corrected_beyond_a_matrix() {
+    let bent = |picture: &Planes| {
+        let [x, y, z] = [0, 1, 2].map(|i| picture.plane(i).unwrap());
+        let bend = |i: usize| (super::roots::roots(x[i], y[i], z[i])[0] - y[i]) * 0.3;
+        let data = [x, y, z].into_iter().flat_map(|p| p.iter().enumerate().map(|(i, v)| v + bend(i)));
+        Planes::new(picture.rows(), picture.cols(), 3, data.collect()).unwrap()
+    };
+    let mut statistics = RefinementStatistics::new(axes());
+    for seed in 1..7 {
+        let target = tiles(160, 170, 24, seed);
+        statistics.add(&bent(&target), &target, 1).unwrap();
+    }
+    let refinement = statistics.solve().unwrap();
+    let target = tiles(96, 96, 24, 99);
+    let mut picture = bent(&target);
+    let before = mean_square(&picture, &target);
+    refinement.apply(&mut picture).unwrap();
+    let after = mean_square(&picture, &target);
+    assert!(after < 0.05 * before, "{after} {before}");
+}
