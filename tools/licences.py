@@ -130,6 +130,7 @@ def main() -> None:
             without.append(name)
     files = {
         "the typeface Inter, in figures": ROOT / "crates/smalti-report/fonts/OFL.txt",
+        "photographs, as scenes": ROOT / "crates/smalti-io/scenes/LICENCES.md",
         "uPlot, in pages": ROOT / "crates/smalti-report/vendor/uplot/LICENSE",
     }
     for name, file in files.items():

@@ -52,6 +52,7 @@ fn every_crate_font_and_script_is_credited() {
         .collect();
     assert!(expected.len() > 100, "{}", expected.len());
     expected.insert("the typeface Inter, in figures: crates/smalti-report/fonts/OFL.txt".into());
+    expected.insert("photographs, as scenes: crates/smalti-io/scenes/LICENCES.md".into());
     expected.insert("uPlot, in pages: crates/smalti-report/vendor/uplot/LICENSE".into());
     let expected: BTreeSet<&str> = expected.iter().map(String::as_str).collect();
     assert_eq!(listed, expected, "run python3 tools/licences.py");
@@ -60,6 +61,7 @@ fn every_crate_font_and_script_is_credited() {
         "SIL OPEN FONT LICENSE",
         "UNICODE LICENSE V3",
         "Leon Sorokin",
+        "flickr.com/photos/vultilion/6056698931",
     ] {
         assert!(text.contains(credit), "{credit}");
     }
