@@ -13,7 +13,8 @@ import tomllib
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 PACKAGES = ("smalti-cli", "smalti-py")
-PLATFORM = "x86_64-unknown-linux-gnu"
+# One processor of each system: none brings crates of its own.
+PLATFORMS = ("x86_64-unknown-linux-gnu", "aarch64-apple-darwin", "x86_64-pc-windows-msvc")
 HEADER = """Third-party software and fonts in Smalti
 
 Smalti itself is licensed under MIT or Apache-2.0 (LICENSE-MIT, LICENSE-APACHE). The programs and packages that are built from it contain
@@ -23,20 +24,24 @@ This software is based in part on the work of the Independent JPEG Group (jpeg-e
 """
 
 
-def linked() -> tuple[dict[str, dict], dict[str, list[str]]]:
-    """The crates that the packages link, by their identities, and what each of them needs."""
-    command = ["cargo", "metadata", "--format-version", "1", "--locked", "--filter-platform", PLATFORM]
-    metadata = json.loads(subprocess.run(command, cwd=ROOT, check=True, capture_output=True).stdout)
-    packages = {p["id"]: p for p in metadata["packages"]}
-    nodes = {n["id"]: n for n in metadata["resolve"]["nodes"]}
-    open_ids = [i for i, p in packages.items() if p["name"] in PACKAGES]
-    needs: dict[str, list[str]] = {}
-    while open_ids:
-        node = nodes[open_ids.pop()]
-        if node["id"] in needs:
-            continue
-        needs[node["id"]] = [d["pkg"] for d in node["deps"] if any(k["kind"] is None for k in d["dep_kinds"])]
-        open_ids += needs[node["id"]]
+def linked() -> tuple[dict[str, dict], dict[str, set[str]]]:
+    """The crates that the packages link on any platform, by their identities, and what each of them needs."""
+    packages: dict[str, dict] = {}
+    needs: dict[str, set[str]] = {}
+    for platform in PLATFORMS:
+        command = ["cargo", "metadata", "--format-version", "1", "--locked", "--filter-platform", platform]
+        metadata = json.loads(subprocess.run(command, cwd=ROOT, check=True, capture_output=True).stdout)
+        packages |= {p["id"]: p for p in metadata["packages"]}
+        nodes = {n["id"]: n for n in metadata["resolve"]["nodes"]}
+        open_ids = [p["id"] for p in metadata["packages"] if p["name"] in PACKAGES]
+        seen: set[str] = set()
+        while open_ids:
+            node = nodes[open_ids.pop()]
+            if node["id"] not in seen:
+                seen.add(node["id"])
+                normal = [d["pkg"] for d in node["deps"] if any(k["kind"] is None for k in d["dep_kinds"])]
+                needs.setdefault(node["id"], set()).update(normal)
+                open_ids += normal
     return {i: packages[i] for i in needs}, needs
 
 

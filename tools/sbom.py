@@ -1,4 +1,4 @@
-"""Writes the software bill of materials of the command and the Python package (CycloneDX 1.5) to standard output.
+"""Writes the software bill of materials of the command and the Python package on all systems (CycloneDX 1.5) to standard output.
 
     python3 tools/sbom.py > smalti.cdx.json
 """
