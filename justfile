@@ -44,13 +44,14 @@ screening:
 learned-statistics:
     cargo test --release -p smalti-io --test learned_statistics -- --ignored --nocapture
 
-# Fuzzes one parser for a minute, or all parsers in turn: `just fuzz exr`, `just fuzz all 600`.
-fuzz target="all" seconds="60":
-    fuzz/run {{target}} {{seconds}}
+# Checks the licences, sources, versions and known faults of all dependencies with cargo-deny, which needs a network for the last.
+deny:
+    command -v cargo-deny >/dev/null || cargo install --locked cargo-deny
+    cargo deny check
 
-# Checks that the fuzz targets compile.
-check-fuzz:
-    cargo check --manifest-path fuzz/Cargo.toml --locked
+# Fuzzes all parsers, or some, for a minute each on all cores: `just fuzz`, `just fuzz 600 exr dng`.
+fuzz *args:
+    tools/fuzz {{args}}
 
 # Regenerates the tables of published data.
 tables:

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use smalti::camera::Camera;
 use smalti::spectrum::WavelengthGrid;
-use smalti_io::{TomlSource, Override};
+use smalti_io::{Override, TomlSource};
 
 libfuzzer_sys::fuzz_target!(|data: &[u8]| {
     let Ok(text) = std::str::from_utf8(data) else { return };

@@ -16,7 +16,8 @@ libfuzzer_sys::fuzz_target!(|data: &[u8]| {
     } else if text.contains("scenes") || text.contains("file") || text.contains('/') {
         return;
     } else {
-        let source = TomlSource { name: "fuzz.toml".into(), folder: PathBuf::from("absent"), text: text.into() };
+        let source =
+            TomlSource { name: "fuzz.toml".into(), folder: PathBuf::from("absent"), text: text.into() };
         studies::from_source(&source)
     };
     if let Err(e) = done {

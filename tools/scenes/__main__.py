@@ -14,7 +14,7 @@ NAMES = ["portrait", "foliage", "table", "street", "shelf", "interior"]
 # Training scenes: a script and its seed.
 TRAINING = ["clutter-1", "clutter-2"]
 ROWS, COLS = 576, 768
-STORE = pathlib.Path(__file__).resolve().parents[2] / "crates/smalti-io/scenes"
+STORE = pathlib.Path(__file__).resolve().parents[2] / "crates/smalti-scenes/data"
 
 
 def variant() -> None:

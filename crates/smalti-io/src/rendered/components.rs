@@ -169,7 +169,7 @@ mod tests {
 
     #[test]
     fn a_damaged_picture_is_refused() {
-        let good = include_bytes!("../../scenes/street.spc").as_slice();
+        let good = smalti_scenes::STREET;
         let error = |bytes: &[u8]| decode("x.spc", bytes).unwrap_err().to_string();
         for length in [0, 7, 20, 51, 60, 1000, good.len() / 2, good.len() - 1] {
             let message = error(&good[..length]);

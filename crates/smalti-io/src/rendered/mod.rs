@@ -37,30 +37,30 @@ enum Content {
 }
 
 macro_rules! stored {
-    ($($name:literal: $kind:ident($file:literal), $summary:literal;)*) => {
+    ($($name:literal: $kind:ident($content:expr), $summary:literal;)*) => {
         [$(StoredScene {
             name: $name,
             summary: $summary,
-            content: Content::$kind(include_bytes!(concat!("../../scenes/", $file))),
+            content: Content::$kind($content),
         }),*]
     };
 }
 
 static SCENES: [StoredScene; 14] = stored! {
-    "natural-portrait": Rendered("portrait.spc"), "Path traced: a head with measured skin, hair and fabrics under LED and tungsten lamps.";
-    "natural-foliage": Rendered("foliage.spc"), "Path traced: a garden with leaves, grass, flowers and brick under sun and sky.";
-    "natural-table": Rendered("table.spc"), "Path traced: fabrics and food on a table under LED light.";
-    "natural-street": Rendered("street.spc"), "Path traced: a street at night with sodium, LED, fluorescent and neon lamps.";
-    "natural-shelf": Rendered("shelf.spc"), "Path traced: a shop shelf with packaging and fine print under LED panels.";
-    "natural-interior": Rendered("interior.spc"), "Path traced: a living room with daylight through a window and a tungsten lamp.";
-    "photo-astronaut": Photograph("photo-astronaut.jpg"), "Photograph with measured reflectances: an astronaut in an orange suit before a flag (NASA).";
-    "photo-brushes": Photograph("photo-brushes.jpg"), "Photograph with measured reflectances: paint brushes of saturated colours (Trevor \"Freespace\").";
-    "photo-dahlia": Photograph("photo-dahlia.jpg"), "Photograph with measured reflectances: a dahlia before dark foliage (vultilion).";
-    "photo-fig": Photograph("photo-fig.jpg"), "Photograph with measured reflectances: a fig in a red bowl on concrete (Trevor \"Freespace\").";
-    "photo-pagoda": Photograph("photo-pagoda.jpg"), "Photograph with measured reflectances: a painted pagoda by a lake (danielbuechele).";
-    "photo-raccoon": Photograph("photo-raccoon.jpg"), "Photograph with measured reflectances: a raccoon among palm leaves (public-domain-image.com).";
-    "photo-spices": Photograph("photo-spices.jpg"), "Photograph with measured reflectances: spices and seeds on a market (Clyde Robinson).";
-    "photo-stream": Photograph("photo-stream.jpg"), "Photograph with measured reflectances: a stream between rocks in a wood (Aitzol Berasategi).";
+    "natural-portrait": Rendered(smalti_scenes::PORTRAIT), "Path traced: a head with measured skin, hair and fabrics under LED and tungsten lamps.";
+    "natural-foliage": Rendered(smalti_scenes::FOLIAGE), "Path traced: a garden with leaves, grass, flowers and brick under sun and sky.";
+    "natural-table": Rendered(smalti_scenes::TABLE), "Path traced: fabrics and food on a table under LED light.";
+    "natural-street": Rendered(smalti_scenes::STREET), "Path traced: a street at night with sodium, LED, fluorescent and neon lamps.";
+    "natural-shelf": Rendered(smalti_scenes::SHELF), "Path traced: a shop shelf with packaging and fine print under LED panels.";
+    "natural-interior": Rendered(smalti_scenes::INTERIOR), "Path traced: a living room with daylight through a window and a tungsten lamp.";
+    "photo-astronaut": Photograph(include_bytes!("../../scenes/photo-astronaut.jpg")), "Photograph with measured reflectances: an astronaut in an orange suit before a flag (NASA).";
+    "photo-brushes": Photograph(include_bytes!("../../scenes/photo-brushes.jpg")), "Photograph with measured reflectances: paint brushes of saturated colours (Trevor \"Freespace\").";
+    "photo-dahlia": Photograph(include_bytes!("../../scenes/photo-dahlia.jpg")), "Photograph with measured reflectances: a dahlia before dark foliage (vultilion).";
+    "photo-fig": Photograph(include_bytes!("../../scenes/photo-fig.jpg")), "Photograph with measured reflectances: a fig in a red bowl on concrete (Trevor \"Freespace\").";
+    "photo-pagoda": Photograph(include_bytes!("../../scenes/photo-pagoda.jpg")), "Photograph with measured reflectances: a painted pagoda by a lake (danielbuechele).";
+    "photo-raccoon": Photograph(include_bytes!("../../scenes/photo-raccoon.jpg")), "Photograph with measured reflectances: a raccoon among palm leaves (public-domain-image.com).";
+    "photo-spices": Photograph(include_bytes!("../../scenes/photo-spices.jpg")), "Photograph with measured reflectances: spices and seeds on a market (Clyde Robinson).";
+    "photo-stream": Photograph(include_bytes!("../../scenes/photo-stream.jpg")), "Photograph with measured reflectances: a stream between rocks in a wood (Aitzol Berasategi).";
 };
 
 /// The scenes. The rendered ones have 576 × 768 samples, photographs at most as many; all have 31 bands from 400 to 700 nm.

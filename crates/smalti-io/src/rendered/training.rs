@@ -51,19 +51,19 @@ enum Content {
 }
 
 macro_rules! stored {
-    ($($name:literal: $kind:ident($file:literal);)*) => {
-        [$(($name, Content::$kind(include_bytes!(concat!("../../scenes/", $file))))),*]
+    ($($name:literal: $kind:ident($content:expr);)*) => {
+        [$(($name, Content::$kind($content))),*]
     };
 }
 
 static SCENES: [(&str, Content); 7] = stored! {
-    "training-clutter-1": Rendered("clutter-1.spc");
-    "training-clutter-2": Rendered("clutter-2.spc");
-    "training-coffee": Photograph("training-coffee.jpg");
-    "training-dandelion": Photograph("training-dandelion.jpg");
-    "training-drum": Photograph("training-drum.jpg");
-    "training-mountain": Photograph("training-mountain.jpg");
-    "training-spaniels": Photograph("training-spaniels.jpg");
+    "training-clutter-1": Rendered(smalti_scenes::CLUTTER_1);
+    "training-clutter-2": Rendered(smalti_scenes::CLUTTER_2);
+    "training-coffee": Photograph(include_bytes!("../../scenes/training-coffee.jpg"));
+    "training-dandelion": Photograph(include_bytes!("../../scenes/training-dandelion.jpg"));
+    "training-drum": Photograph(include_bytes!("../../scenes/training-drum.jpg"));
+    "training-mountain": Photograph(include_bytes!("../../scenes/training-mountain.jpg"));
+    "training-spaniels": Photograph(include_bytes!("../../scenes/training-spaniels.jpg"));
 };
 
 impl StoredTrainingScenes for BuiltInTrainingScenes {

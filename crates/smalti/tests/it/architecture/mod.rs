@@ -17,7 +17,7 @@ use sources::{Modules, module_path};
 
 /// The crates in layers. A crate may depend on crates of earlier layers only.
 const LAYERS: [&[&str]; 4] = [
-    &["smalti"],
+    &["smalti", "smalti-scenes"],
     &["smalti-io", "smalti-report", "smalti-wasm"],
     &["smalti-serve"],
     &["smalti-cli", "smalti-py"],

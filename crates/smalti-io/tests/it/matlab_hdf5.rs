@@ -1,6 +1,5 @@
 //! Scene files of MATLAB and HDF5: those of SciPy, h5py and Octave are read, ours are read by them. Skipped, with a
 //! message, where a program is absent.
-#![allow(clippy::unwrap_used)]
 
 use std::path::Path;
 use std::process::Command;
@@ -14,9 +13,7 @@ use smalti_io::matlab::Version;
 use smalti_io::scene_file::Crop;
 use smalti_io::{IoError, Quantity, ReadOptions, SpectralFile, hdf5, matlab, scene_file};
 
-#[path = "support/python.rs"]
-mod python;
-use python::python;
+use crate::python::python;
 
 const SCRIPT: &str = "check_matlab_hdf5.py";
 const PACKAGES: &str = "numpy, scipy, h5py";
@@ -380,7 +377,7 @@ fn what_the_fuzzer_found_is_refused() {
     }
 }
 
-/// `cargo test --release -p smalti-io --test matlab_hdf5 -- --ignored --nocapture`. The yardstick is NumPy's own time for the same
+/// `cargo test --release -p smalti-io --test it -- --ignored --nocapture numpy`. The yardstick is NumPy's own time for the same
 /// numbers, or that of SciPy or h5py where they are faster.
 #[test]
 #[ignore = "a measurement, of a release build on an idle machine"]

@@ -5,7 +5,7 @@ use smalti_io::l3::{write_npz, write_statistics, write_table};
 use smalti_io::npy;
 
 use super::fixtures::{bayer, picture_pipeline, pipeline, raw, recipes, second_stage, statistics};
-use super::python::python;
+use crate::python::python;
 
 fn floats(v: &Value) -> Vec<f64> {
     v.as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect()

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use serde_json::json;
 use smalti_io::dataset::{Column, ColumnKind, Dataset, Plan, Run, Shard};
 
-use crate::fixtures::{assert_same, bits, columns, content, fill, plan, spec, whole};
+use super::fixtures::{assert_same, bits, columns, content, fill, plan, spec, whole};
 
 #[test]
 fn every_kind_of_column_is_read_back_bit_for_bit() {

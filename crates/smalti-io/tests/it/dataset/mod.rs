@@ -1,8 +1,4 @@
 //! Folders of results: content, independence from the order of writing, interruptions and invalid input.
-#![allow(clippy::unwrap_used)]
-
-#[path = "../support/python.rs"]
-mod python;
 
 mod files;
 mod fixtures;

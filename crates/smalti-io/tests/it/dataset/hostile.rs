@@ -6,7 +6,7 @@ use std::path::Path;
 use proptest::prelude::*;
 use smalti_io::dataset::{Dataset, DatasetError, Manifest, PartProblem, part_from_bytes};
 
-use crate::fixtures::{plan, whole};
+use super::fixtures::{plan, whole};
 
 const HASH: &[u8] = b"smalti.blake3\x18\x40";
 

@@ -5,7 +5,7 @@ use std::path::Path;
 use serde_json::{Value, json};
 use smalti_io::dataset::{Column, Dataset, Run};
 
-use crate::fixtures::{columns, plan};
+use super::fixtures::{columns, plan};
 use crate::python::python;
 
 /// Checks that a program, run by `check_dataset.py`, reads the values that were written.

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use serde_json::json;
 use smalti_io::dataset::{Column, Dataset, DatasetError, PartProblem, Plan, Run, Shard, merge};
 
-use crate::fixtures::{assert_same, columns, fill, plan, whole};
+use super::fixtures::{assert_same, columns, fill, plan, whole};
 
 /// Completes each shard of a plan in its own folder.
 fn shards(dir: &Path, plan: &Plan, of: u32) -> Vec<PathBuf> {

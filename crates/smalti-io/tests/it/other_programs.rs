@@ -1,6 +1,5 @@
 //! What other programs make of our files, and we of theirs. Skipped, with a message, where Python or a package is
 //! absent.
-#![allow(clippy::unwrap_used, clippy::panic)]
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -18,9 +17,7 @@ use smalti_io::exr::{self, Layout};
 use smalti_io::picture::{self, Depth};
 use smalti_io::{Limits, Quantity, ReadOptions, SpectralFile, scene_file};
 
-#[path = "support/python.rs"]
-mod python;
-use python::python;
+use crate::python::python;
 
 fn numbers(v: &Value) -> Vec<f64> {
     v.as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect()

@@ -1,8 +1,4 @@
 //! The folder of a rating experiment, and scales against another program.
-#![allow(clippy::unwrap_used, clippy::panic)]
-
-#[path = "support/python.rs"]
-mod support;
 
 use std::fs;
 use std::path::Path;
@@ -17,6 +13,8 @@ use smalti_io::ratings::{
     ANSWERS, AnswerFolder, Condition, Display, MANIFEST, Manifest, Planned, choices, levels, read,
     read_observers, secret_hash, write, write_table,
 };
+
+use crate::python::python;
 
 /// The scores of 800 choices between six conditions agree with those of choix to 1e-5, the tolerance of its optimiser.
 #[test]
@@ -36,7 +34,7 @@ fn choix_finds_the_same_scale() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("choices.json");
     fs::write(&path, json!({"conditions": 6, "choices": all}).to_string()).unwrap();
-    let Some(lines) = support::python("check_ratings.py", "choix", &[&path]) else { return };
+    let Some(lines) = python("check_ratings.py", "choix", &[&path]) else { return };
     let own = fit(&counts, Model::BradleyTerry, Penalty::None).unwrap();
     for (score, other) in own.scores.iter().zip(lines[0].as_array().unwrap()) {
         assert!((score - other.as_f64().unwrap()).abs() < 1e-5, "{:?} and {lines:?}", own.scores);

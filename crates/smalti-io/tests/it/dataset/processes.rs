@@ -9,7 +9,7 @@ use std::time::Duration;
 use serde_json::json;
 use smalti_io::dataset::{Dataset, DatasetError, Run};
 
-use crate::fixtures::{assert_same, columns, fill, plan, whole};
+use super::fixtures::{assert_same, columns, fill, plan, whole};
 
 const DIR: &str = "SMALTI_TEST_DIR";
 /// A worker with this variable waits for its input, which never comes, before its first part.
@@ -42,7 +42,7 @@ fn start(dir: &Path, command: &str) -> (Child, std::io::Lines<BufReader<ChildStd
     let mut child = Command::new("bash")
         .args(["-c", command, "worker"])
         .arg(std::env::current_exe().unwrap())
-        .args(["--ignored", "--exact", "--nocapture", "processes::worker"])
+        .args(["--ignored", "--exact", "--nocapture", "dataset::processes::worker"])
         .env(DIR, dir)
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())

@@ -1,5 +1,4 @@
 //! Spectral files of ENVI, NumPy, TIFF and folders of bands: other programs as judges, round trips, bad input, parts of files.
-#![allow(clippy::unwrap_used, clippy::panic)]
 
 use std::fs;
 use std::path::Path;
@@ -14,9 +13,7 @@ use smalti_io::scene_file::{self, Crop, Cropped, Tiles, Whole, WriteOptions};
 use smalti_io::spectral_tiff::{self, Layout};
 use smalti_io::{IoError, Limits, Quantity, ReadOptions, SpectralFile, bands, npz};
 
-#[path = "support/python.rs"]
-mod python;
-use python::python;
+use crate::python::python;
 
 const ROWS: usize = 5;
 const COLS: usize = 7;
@@ -492,7 +489,7 @@ proptest! {
     }
 }
 
-/// `cargo test --release -p smalti-io --test cubes -- --ignored --nocapture speed`. The yardstick is NumPy's own time for the same
+/// `cargo test --release -p smalti-io --test it -- --ignored --nocapture numpy`. The yardstick is NumPy's own time for the same
 /// numbers, or that of tifffile, OpenEXR or OpenCV where they are faster.
 #[test]
 #[ignore = "a measurement, of a release build on an idle machine"]

@@ -6,7 +6,7 @@ use std::path::Path;
 use serde_json::json;
 use smalti_io::dataset::{Column, Dataset, DatasetError, PartProblem, Plan, Run, Shard};
 
-use crate::fixtures::{columns, content, plan, whole};
+use super::fixtures::{columns, content, plan, whole};
 
 fn part(dir: &Path, chunk: u64) -> std::path::PathBuf {
     dir.join(format!("trials/part-{chunk:06}.parquet"))
