@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 mod c_header;
+mod c_header_float;
 mod cache;
 mod files;
 mod fixtures;
