@@ -19,7 +19,9 @@ impl Polynomial {
     pub(super) fn new([c0, c1, c2]: [f64; 3], most: f64, bits: u32) -> Option<Self> {
         let power = |places: u32| (1u64 << places) as f64;
         let whole = c0 + (c1 + c2 * most) * most;
-        if !(whole + 1.0 < power(bits)) {
+        // No number is below what is not one.
+        let fits = whole + 1.0 < power(bits);
+        if !fits {
             return None;
         }
         // One is left for rounding.
