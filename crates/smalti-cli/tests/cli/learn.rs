@@ -319,7 +319,9 @@ fn best_quality_refines_what_fast_quality_renders() {
     let far =
         |a: &[f32]| a.iter().zip(&best).map(|(a, b)| f64::from(a - b).powi(2)).sum::<f64>() / a.len() as f64;
     let psnr = 10.0 * (peak * peak / far(&fixed)).log10();
-    assert!(psnr > 55.0, "fixed point is {psnr} dB from single precision");
+    println!("fixed point is {psnr:.1} dB from single precision");
+    // The charts have 51 dB at 1 cd/m² (docs/how-to/firmware.md).
+    assert!(psnr > 50.0, "fixed point is {psnr} dB from single precision");
     // In the middle of the first patch, which is uniform, what differs is noise.
     let spread = |xyz: &[f32]| {
         let cols = shape[2];
