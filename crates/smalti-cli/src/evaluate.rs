@@ -10,6 +10,7 @@ use smalti::experiment::{
     ComparedPictures, Contender, ExposurePlan, IspKeys, PipelineSet, Progress as _, Resources,
     camera_differences,
 };
+use smalti::l3::Quality;
 use smalti::spectrum::{Observer, WavelengthGrid};
 use smalti_io::picture::{self, Depth};
 use smalti_io::write;
@@ -124,12 +125,19 @@ pub(crate) fn run(args: &Evaluate, words: &[String], common: &Common) -> anyhow:
         limiting: exposure.limiting(),
         labels: &labels,
     };
+    // Pictures of learned pipelines state their quality.
+    let titles: Vec<String> =
+        contenders.iter().map(|c| c.pipelines.map_or_else(|| c.label.to_owned(), |_| c.name())).collect();
+    let qualities =
+        contenders.iter().flat_map(|c| args.luminance.iter().map(|_| c.quality().map(Quality::name)));
+    let entries = results.iter().zip(qualities).map(|((c, s), quality)| entry(c, s, quality));
+    let entries = entries.collect::<anyhow::Result<Vec<_>>>()?;
     let document = json!({
         "smalti_version": env!("CARGO_PKG_VERSION"),
         "illuminant": args.illuminant,
         "exposure": conditions.exposure_as_json(),
         "differences": conditions.differences_as_json(),
-        "cameras": results.iter().map(|(c, s)| entry(c, s)).collect::<anyhow::Result<Vec<_>>>()?,
+        "cameras": entries,
     });
     let text = serde_json::to_string_pretty(&document)? + "\n";
     // All results are computed before the first file is written; results.json marks a complete folder.
@@ -139,7 +147,7 @@ pub(crate) fn run(args: &Evaluate, words: &[String], common: &Common) -> anyhow:
         let page = evaluation_page(&Evaluations {
             command: &resolve::command_line(words, &args.cameras),
             cameras: &cameras,
-            labels: &labels,
+            labels: &titles,
             conditions,
             luminances_cd_m2: &args.luminance,
             illuminant: &args.illuminant,
@@ -160,14 +168,15 @@ pub(crate) fn run(args: &Evaluate, words: &[String], common: &Common) -> anyhow:
     if args.json {
         return crate::output::print_document(&text);
     }
-    let names = labels.iter().flat_map(|label| args.luminance.iter().map(move |_| label.as_str()));
+    let names = titles.iter().flat_map(|label| args.luminance.iter().map(move |_| label.as_str()));
     let scores: Vec<_> = names.zip(results.iter().map(|(_, scores)| scores)).collect();
     let scores = evaluation_text(&scores, &args.illuminant, !args.pipelines.is_empty(), &table::render);
     crate::print(&(conditions.text(&table::render) + "\n" + &scores))
 }
 
-fn entry(camera: &Camera, scores: &Evaluation) -> anyhow::Result<serde_json::Value> {
-    let mut entry = json!({"camera": camera.description().name});
+/// `quality` is that of a learned pipeline.
+fn entry(camera: &Camera, scores: &Evaluation, quality: Option<&str>) -> anyhow::Result<serde_json::Value> {
+    let mut entry = json!({"camera": camera.description().name, "quality": quality});
     if let (Some(into), serde_json::Value::Object(scores)) =
         (entry.as_object_mut(), serde_json::to_value(scores)?)
     {

@@ -6,12 +6,13 @@ use anyhow::{Context, bail};
 use clap::Args;
 use serde_json::json;
 use smalti::color::{ColorSpace, Image};
-use smalti::l3::{Pipeline, Rendered};
+use smalti::l3::{Pipeline, Quality, Rendered};
 use smalti_io::dng::{self, Crop, Dng, DngPicture};
 use smalti_io::picture::{self, Depth};
 use smalti_io::{Orientation, l3, npy};
 
-use crate::args::Common;
+use crate::args::{Common, choice};
+use crate::learning_args::QUALITIES;
 use crate::numbers::positive;
 use crate::progress::Progress;
 use crate::raw_args::RawOptions;
@@ -34,6 +35,9 @@ pub(crate) struct Render {
     /// (the unscaled outputs X, Y, Z, where a white diffuser has at most Y = 1, in rows and columns of the sensor)
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: PathBuf,
+    /// Stages to render with: a table of quality best also renders with its first stage alone [default: that of the table]
+    #[arg(long, value_parser = choice(&QUALITIES))]
+    pub(crate) quality: Option<Quality>,
     /// Compute in fixed point with 16-bit kernels, as an image signal processor does; needs digital numbers in the raw file
     #[arg(long)]
     pub(crate) fixed: bool,
@@ -56,7 +60,11 @@ pub(crate) fn run(args: &Render, common: &Common) -> anyhow::Result<()> {
     }
     let progress = Progress::new(3, common.quiet);
     progress.begin("reading");
-    let pipeline = l3::read_table(&args.pipeline)?;
+    let mut pipeline = l3::read_table(&args.pipeline)?;
+    if let Some(quality) = args.quality {
+        let about = || format!("--quality {} with {}", quality.name(), args.pipeline.display());
+        pipeline = pipeline.at_quality(quality).with_context(about)?;
+    }
     let Dng { raw, orientation, default_crop, .. } =
         args.raw_options.read(&args.raw, |text| progress.note(text))?;
     // A raw file may list its channels in another order than the pipeline; names identify them.
@@ -75,6 +83,7 @@ pub(crate) fn run(args: &Render, common: &Common) -> anyhow::Result<()> {
         let report = json!({
             "smalti_version": env!("CARGO_PKG_VERSION"),
             "output": args.output.display().to_string(),
+            "quality": pipeline.quality().name(),
             "arithmetic": if args.fixed { "fixed point" } else { "single precision" },
             "rows": rendered.planes.rows(),
             "cols": rendered.planes.cols(),

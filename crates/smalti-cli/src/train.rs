@@ -9,6 +9,7 @@ use smalti::camera::{Camera, TrainingTarget};
 use smalti::experiment::{Learned, NamedScene, TrainingSources, learn};
 use smalti::l3::{Origin, Pipeline, PositionSummary, Quality};
 use smalti_io::cameras::LoadedCamera;
+use smalti_io::l3::CArithmetic;
 use smalti_io::{l3, memory, write};
 
 use crate::args::{CameraOptions, Common};
@@ -80,6 +81,9 @@ pub(crate) struct Train {
     /// Also write the table as a C header in fixed point
     #[arg(long, value_name = "FILE")]
     pub(crate) c_header: Option<PathBuf>,
+    /// Also write the table as a C header in single precision, which renders the same bits as smalti
+    #[arg(long, value_name = "FILE")]
+    pub(crate) c_header_float: Option<PathBuf>,
     /// Print every class as JSON instead of the table
     #[arg(long)]
     pub(crate) json: bool,
@@ -102,11 +106,6 @@ pub(crate) fn run(args: &Train, common: &Common) -> anyhow::Result<()> {
         args.target_illuminant.as_deref().map(|n| resolve::illuminant(n, common)).transpose()?;
     settings.exposures.clone_from(&args.exposures);
     let training = args.learning.training();
-    if training.quality == Quality::Best && args.c_header.is_some() {
-        bail!(
-            "--c-header: the second stage of quality best has no fixed-point form; expected --quality fast"
-        );
-    }
     if training.quality == Quality::Best && settings.target != TrainingTarget::Xyz {
         bail!("--quality best refines pictures in X, Y, Z; expected no --target, or --quality fast");
     }
@@ -120,7 +119,12 @@ pub(crate) fn run(args: &Train, common: &Common) -> anyhow::Result<()> {
         .iter()
         .map(|n| resolve::illuminant(n, common))
         .collect::<anyhow::Result<Vec<_>>>()?;
-    let files = [Some(&args.output), args.statistics.as_ref(), args.npz.as_ref(), args.c_header.as_ref()];
+    let headers = [
+        (args.c_header.as_ref(), CArithmetic::Integers),
+        (args.c_header_float.as_ref(), CArithmetic::SinglePrecision),
+    ];
+    let [fixed, float] = headers.map(|(file, _)| file);
+    let files = [Some(&args.output), args.statistics.as_ref(), args.npz.as_ref(), fixed, float];
     for file in files.into_iter().flatten() {
         match folder_to_make(file) {
             Some(folder) => write::ensure_can_fill(folder)?,
@@ -153,8 +157,10 @@ pub(crate) fn run(args: &Train, common: &Common) -> anyhow::Result<()> {
     if let Some(file) = &args.npz {
         l3::write_npz(file, &pipeline)?;
     }
-    if let Some(file) = &args.c_header {
-        l3::write_c_header(file, &pipeline, &l3::c_prefix(file))?;
+    for (file, arithmetic) in headers {
+        if let Some(file) = file {
+            l3::write_c_header(file, &pipeline, &l3::c_prefix(file), arithmetic)?;
+        }
     }
     progress.finish();
     let reports: Vec<pairs::Report<'_>> =
@@ -228,7 +234,7 @@ fn summary(pipeline: &Pipeline, file: &Path) -> String {
         "{}\nA class is a combination of position in the mosaic (row, column, from 0), response level, texture and clipped channels. An occupied class has patches.\n\
          Its kernels are learned from its patches, interpolated between levels, pooled with similar classes, or those of the nearest level.\n\
          {} of {} classes had training data ({} patches, {} kernels); the others use the kernels of similar classes\n\
-         levels: {}; textures: {}; clipped channels: {}\n\n{}\n",
+         levels: {}; textures: {}; clipped channels: {}\n{}\n\n{}\n",
         table::render(&header, &rows),
         s.occupied,
         s.classes,
@@ -237,13 +243,31 @@ fn summary(pipeline: &Pipeline, file: &Path) -> String {
         pipeline.axes().level_count(),
         pipeline.axes().textures().names().join(", "),
         clipped.join(", "),
+        quality_line(pipeline),
         file.display(),
+    )
+}
+
+/// The quality, and the classes of the second stage.
+fn quality_line(pipeline: &Pipeline) -> String {
+    let name = pipeline.quality().name();
+    pipeline.refinement().map_or_else(
+        || format!("quality: {name}, one stage"),
+        |refinement| {
+            let classes = refinement.classes();
+            let learned = classes.iter().filter(|c| c.is_learned).count();
+            format!(
+                "quality: {name}, two stages; {learned} of {} classes of the second stage had enough training data",
+                classes.len()
+            )
+        },
     )
 }
 
 fn json_summary(pipeline: &Pipeline, pairs: &[pairs::Report<'_>]) -> anyhow::Result<String> {
     let s = pipeline.summary();
     let document = json!({
+        "quality": pipeline.quality().name(),
         "classes_that_occur": s.occupied,
         "operators": s.operators,
         "patches": s.patches,

@@ -6,11 +6,11 @@ use numpy::IntoPyArray;
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyDict};
 use smalti::color::{ColorSpace, Image};
-use smalti::l3::{Origin, Pipeline, Rendered};
-use smalti_io::l3;
+use smalti::l3::{Origin, Pipeline, Quality, Rendered};
+use smalti_io::l3::{self, CArithmetic};
 
 use crate::arrays;
-use crate::error::{OrRaise, wrong};
+use crate::error::{OrRaise, one_of, wrong};
 use crate::image::PyImage;
 use crate::json::{dict_of, loads};
 use crate::raw::PyRawImage;
@@ -29,16 +29,37 @@ impl PyPipeline {
         watched(py, None, |_| Ok(Self(l3::read_table(&path).or_raise()?)))
     }
 
-    /// Writes the pipeline in the format of the extension: .l3 (exact, for `read`), .npz (NumPy arrays) or .h (C99 in fixed point).
-    fn write(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+    /// Writes the pipeline in the format of the extension: .l3 (exact, for `read`), .npz (NumPy arrays) or .h (C99).
+    ///
+    /// Args:
+    ///     arithmetic: numbers of a .h file: "integers" (fixed point) or "float", which renders the same bits as `render`.
+    #[pyo3(signature = (path, *, arithmetic="integers"))]
+    fn write(&self, py: Python<'_>, path: PathBuf, arithmetic: &str) -> PyResult<()> {
+        let numbers = [("integers", CArithmetic::Integers), ("float", CArithmetic::SinglePrecision)];
+        let arithmetic = one_of("arithmetic", arithmetic, &numbers)?;
         let extension =
             path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
         watched(py, None, |_| match extension.as_str() {
             "l3" => l3::write_table(&path, &self.0).or_raise(),
             "npz" => l3::write_npz(&path, &self.0).or_raise(),
-            "h" => l3::write_c_header(&path, &self.0, &l3::c_prefix(&path)).or_raise(),
+            "h" => l3::write_c_header(&path, &self.0, &l3::c_prefix(&path), arithmetic).or_raise(),
             _ => Err(wrong(format!("{}: expected a name that ends in .l3, .npz or .h", path.display()))),
         })
+    }
+
+    /// The pipeline with the stages of a quality: one of "best" also renders with its first stage alone, "fast".
+    ///
+    /// Raises:
+    ///     SmaltiError: when "best" is asked of a pipeline of one stage.
+    fn at_quality(&self, quality: &str) -> PyResult<Self> {
+        let quality = one_of("quality", quality, &Quality::ALL.map(|q| (q.name(), q)))?;
+        Ok(Self(self.0.clone().at_quality(quality).or_raise()?))
+    }
+
+    /// "fast" for one stage, "best" for two.
+    #[getter]
+    fn quality(&self) -> &'static str {
+        self.0.quality().name()
     }
 
     /// Renders a raw image to XYZ under the illuminant of the training. Channels are matched by name.
@@ -132,7 +153,8 @@ impl PyPipeline {
         let (s, axes) = (self.0.summary(), self.0.axes());
         let learned: usize = s.positions.iter().map(|p| p.by_origin[Origin::Learned as usize]).sum();
         format!(
-            "<smalti.Pipeline: {} × {} mosaic, patches of {side} × {side}, {} classes ({learned} learned from {} patches) to {}>",
+            "<smalti.Pipeline of quality {}: {} × {} mosaic, patches of {side} × {side}, {} classes ({learned} learned from {} patches) to {}>",
+            self.0.quality().name(),
             axes.mosaic().rows(),
             axes.mosaic().cols(),
             s.classes,

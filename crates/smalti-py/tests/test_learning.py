@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -138,7 +139,7 @@ def test_a_stop_of_aperture_is_a_stop_of_light() -> None:
     assert gain["visual_snr"] == pytest.approx(1, abs=0.1) and gain["cpsnr_db"] == pytest.approx(1, abs=0.2)
 
 
-def test_best_quality_refines_pictures() -> None:
+def test_best_quality_refines_pictures(tmp_path: Path) -> None:
     camera = smalti.Camera("bayer", set=SMALL)
     # A second stage needs to have seen what it refines: uniform colours as dark as the picture.
     patches = [f"color-patches?rows=128&cols=192&seed={seed}&least=40" for seed in (1, 2, 3, 4, 9)]
@@ -155,7 +156,18 @@ def test_best_quality_refines_pictures() -> None:
     reference = photo.reference()
     errors = [smalti.score_picture(p.render(photo.raw), reference)["pixel_delta_e_2000_mean"] for p in (fast, best)]
     assert errors[1] < 0.95 * errors[0]
-    with pytest.raises(smalti.SmaltiError, match="no fixed-point form"):
-        best.render_outputs(photo.raw, fixed_point=True)
+    assert (fast.quality, best.quality) == ("fast", "best")
+    assert "of quality best" in repr(best)
+    np.testing.assert_array_equal(best.at_quality("fast").render(photo.raw).array, fast.render(photo.raw).array)
+    with pytest.raises(smalti.SmaltiError, match="one stage"):
+        fast.at_quality("best")
+    single, fixed = (best.render(photo.raw, fixed_point=in_integers).array for in_integers in (False, True))
+    # 50 dB; the charts have 51 dB at 1 cd/m² (docs/how-to/firmware.md).
+    assert np.sqrt(np.mean((single - fixed) ** 2)) < 10 ** (-50 / 20) * single.max()
+    for arithmetic, number in (("integers", "int16_t"), ("float", "float")):
+        best.write(tmp_path / "best.h", arithmetic=arithmetic)  # type: ignore[arg-type]
+        assert f"static const {number} best_refined_kernels" in (tmp_path / "best.h").read_text()
+    with pytest.raises(ValueError, match="arithmetic"):
+        best.write(tmp_path / "best.h", arithmetic="double")  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="quality"):
         smalti.train(camera, learned_from, quality="good", progress=False)  # type: ignore[arg-type]

@@ -52,7 +52,7 @@ fn settings_that_cannot_be_learned_with() {
         ("--continue no.st", 1, &["cannot read no.st"]),
         ("--continue file", 1, &["file"]),
         ("--quality good", 2, &["'good'", "--quality", "fast, best"]),
-        ("--quality best --c-header a.h", 1, &["--c-header", "--quality fast"]),
+        ("--c-header-float file/a.h", 1, &["cannot write file/a.h"]),
         ("--raw-cfa xtrans", 1, &["--raw-cfa", "--pair", "--cfa"]),
         ("--quality best --target rgbw", 1, &["--quality best", "X, Y, Z"]),
     ] {
@@ -201,6 +201,9 @@ fn raws_and_tables_that_do_not_fit() {
         refused(&place, &format!("render {words} -o a.png"), 1, expected);
     }
     let render = "render good/raw.dng --pipeline a.l3";
+    refused(&place, &format!("{render} -o a.png --quality good"), 2, &["'good'", "--quality", "fast, best"]);
+    let one_stage = ["--quality best with a.l3", "one stage", "expected quality fast"];
+    refused(&place, &format!("{render} -o a.png --quality best"), 1, &one_stage);
     refused(
         &place,
         &format!("{render} -o a.jpg"),

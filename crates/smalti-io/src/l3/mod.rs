@@ -5,7 +5,7 @@
 //! | [`write_table`], [`read_table`] | `.l3`: a [`Pipeline`], exactly |
 //! | [`write_statistics`], [`read_statistics`] | `.l3s`: [`Statistics`], exactly, so that training can be shared out and continued |
 //! | [`write_npz`] | `.npz`: the arrays of a table for NumPy |
-//! | [`write_c_header`] | `.h`: the table in fixed point with a reference implementation in C99 |
+//! | [`write_c_header`] | `.h`: the table in fixed point or single precision with a reference implementation in C99 |
 //!
 //! `.l3` and `.l3s` are [safetensors](https://huggingface.co/docs/safetensors) files; any program that reads these reads
 //! them. `docs/formats-l3.md` lists their tensors and states how a raw image is rendered with them.
@@ -20,7 +20,7 @@ mod refinement;
 mod statistics;
 mod table;
 
-pub use c_header::{Operations, c_prefix, operations, write_c_header};
+pub use c_header::{CArithmetic, Operations, c_prefix, operations, write_c_header};
 pub use npz::write_npz;
 pub(crate) use statistics::statistics_pieces;
 pub use statistics::{read_statistics, statistics_from_bytes, write_statistics};

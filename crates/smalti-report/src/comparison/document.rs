@@ -30,7 +30,8 @@ impl Comparison<'_> {
                             "light": if keeps_light { "its own" } else { self.illuminant },
                             "scores": serde_json::to_value(&s.scores)?,
                             "by_seed": by_seed.collect::<Vec<_>>(),
-                            "fixed_point_psnr_db": s.fixed_point_psnr_db,
+                            "fixed_point_psnr_db": s.fixed_point.map(|f| f.psnr_db),
+                            "fixed_point_cpsnr_loss_db": s.fixed_point.map(|f| f.cpsnr_loss_db),
                         }))
                     })
                     .collect::<Result<_, ReportError>>()?;
@@ -101,6 +102,7 @@ fn kernels_as_json(camera: &str, pipeline: &Pipeline) -> Result<Value, ReportErr
         .collect::<Result<Vec<Value>, ReportError>>()?;
     Ok(json!({
         "camera": camera,
+        "quality": pipeline.quality().name(),
         "classes": summary.classes,
         "classes_that_occur": summary.occupied,
         "operators": summary.operators,

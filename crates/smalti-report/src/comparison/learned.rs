@@ -23,7 +23,8 @@ pub(super) fn section(learned: &[(&Contender<'_>, &Pipeline, String)]) -> Markup
         .child(
             "A learned pipeline is a table of linear kernels. Each patch of raw samples belongs to a class, defined by the position of its centre in the \
              tile of the mosaic, the level of its mean response, its texture, and the channels that clip. The kernels of its class compute X, Y \
-             and Z. Classes with too few training patches use the kernels of other classes; they are marked.",
+             and Z. Classes with too few training patches use the kernels of other classes; they are marked. A pipeline of quality fast has this \
+             stage alone. One of quality best has a second stage, which refines the picture and is not drawn here.",
         )
         .into();
     for (number, (contender, pipeline, _)) in learned.iter().enumerate() {
@@ -40,12 +41,19 @@ pub(super) fn section(learned: &[(&Contender<'_>, &Pipeline, String)]) -> Markup
             table = table.row(cells, false);
         }
         let about = format!(
-            "{} classes, {} of them seen in training, {} kernels, {} patches; kernels of {side}\u{a0}×\u{a0}{side}.",
+            "Quality {}: {} classes, {} of them seen in training, {} kernels, {} patches; kernels of {side}\u{a0}×\u{a0}{side}{second}.",
+            pipeline.quality().name(),
             grouped(summary.classes as u64),
             grouped(summary.occupied as u64),
             grouped(summary.operators as u64),
             grouped(summary.patches),
             side = pipeline.axes().side(),
+            second = pipeline.refinement().map_or_else(String::new, |refinement| {
+                let classes = refinement.classes();
+                let learned = classes.iter().filter(|c| c.is_learned).count();
+                let [all, learned] = [classes.len(), learned].map(|n| grouped(n as u64));
+                format!("; a second stage of {all} classes, {learned} of them with kernels of their own")
+            }),
         );
         out = out
             .and(el("h3").child(contender.label))

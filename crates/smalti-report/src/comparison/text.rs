@@ -52,10 +52,12 @@ impl Comparison<'_> {
     #[must_use]
     pub fn fixed_point_line(&self) -> String {
         let all = self.outcomes.iter().flatten().flat_map(|o| &o.scenes);
-        let all = all.filter_map(|(_, s)| s.fixed_point_psnr_db);
-        all.reduce(f64::min).map_or_else(String::new, |db| {
-            format!("PSNR of fixed point (16-bit samples and kernels) against single precision: {db:.1} dB\n")
-        })
+        let all: Vec<_> = all.filter_map(|(_, s)| s.fixed_point).collect();
+        let Some(psnr_db) = all.iter().map(|f| f.psnr_db).reduce(f64::min) else { return String::new() };
+        let loss_db = all.iter().map(|f| f.cpsnr_loss_db).fold(0.0, f64::max);
+        format!(
+            "PSNR of fixed point (16-bit samples and kernels) against single precision: {psnr_db:.1} dB; largest loss of CPSNR: {loss_db:.2} dB\n"
+        )
     }
 
     /// A table for each camera to be equalled at each luminance.

@@ -51,6 +51,7 @@ pub use light_gain::{
 pub use patch_scores::{GreyScores, PatchScores};
 pub use photograph::Photograph;
 pub use ranges::{KEY_RANGES, KeyRange};
+pub(crate) use score::picture_cpsnr_db;
 pub use score::{PICTURE_METRICS, PictureScores, ScoreSettings, score_picture};
 pub use test_scene::TestScene;
 pub use training::{LevelRule, TrainingSettings, TrainingTarget};

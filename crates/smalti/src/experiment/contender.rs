@@ -13,9 +13,9 @@ use crate::camera::compare::{IntegratedScene, SeedScores};
 use crate::camera::description::IspDescription;
 use crate::camera::{
     Camera, CameraError, Evaluation, EvaluationPictures, EvaluationSettings, PICTURE_METRICS, SceneScores,
-    ScoreSettings, Setup, TrainingSettings, evaluate_with,
+    ScoreSettings, Setup, TrainingSettings, evaluate_with, picture_cpsnr_db,
 };
-use crate::color::Image;
+use crate::color::{ColorSpace, Image};
 use crate::isp::{Classic, Isp, WhiteBalance};
 use crate::l3::{L3Error, Pipeline, Quality, Training, peak_ratio_db};
 use crate::numeric::Number;
@@ -287,8 +287,8 @@ pub(super) fn score_integrated(
         let isp = contender.isp(&light, progress)?;
         let at = (luminance_cd_m2, &exposure);
         let SeedScores { first, raw, figures } = scene.compare_seeds(at, &*isp, seeds, score)?;
-        let fixed_point_psnr_db = fixed_point_psnr_db(contender, &light, &raw, &first.picture)?;
-        Ok(ScoredScene { scores: first, by_seed: figures, fixed_point_psnr_db })
+        let fixed_point = fixed_point(contender, &light, &raw, &first, score)?;
+        Ok(ScoredScene { scores: first, by_seed: figures, fixed_point })
     };
     scored().in_context(|| format!("{} at {} cd/m²", contender.name(), Number(luminance_cd_m2)))
 }
@@ -300,9 +300,18 @@ pub struct ScoredScene {
     pub scores: SceneScores,
     /// The values of [`PICTURE_METRICS`] for every seed.
     pub by_seed: Vec<[f64; PICTURE_METRICS.len()]>,
-    /// The PSNR of the fixed-point picture of the learned pipeline against single precision, dB; `None` for classic processing, and
-    /// when the table has no fixed-point form for the camera.
-    pub fixed_point_psnr_db: Option<f64>,
+    /// What fixed point costs the learned pipeline for the first seed; `None` for classic processing, and when the table has no fixed-point
+    /// form for the camera.
+    pub fixed_point: Option<FixedPointScore>,
+}
+
+/// The fixed-point picture of a learned pipeline beside the one in single precision.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FixedPointScore {
+    /// PSNR against the picture in single precision, dB.
+    pub psnr_db: f64,
+    /// CPSNR of the picture in single precision less that of the fixed-point picture, both against the reference, dB.
+    pub cpsnr_loss_db: f64,
 }
 
 impl ScoredScene {
@@ -314,23 +323,27 @@ impl ScoredScene {
     }
 }
 
-/// PSNR of the fixed-point picture of a raw image under a light (photons) against the picture that was scored, dB.
-fn fixed_point_psnr_db(
+/// What fixed point costs on a raw image under a light (photons) whose picture in single precision was scored.
+fn fixed_point(
     contender: &Contender<'_>,
     light: &Spectrum,
     raw: &RawImage,
-    picture: &Image,
-) -> Result<Option<f64>, CameraError> {
+    scored: &SceneScores,
+    settings: &ScoreSettings,
+) -> Result<Option<FixedPointScore>, CameraError> {
     let (Processing::L3, Some(pipelines)) = (contender.processing, contender.pipelines) else {
         return Ok(None);
     };
     let fixed = match pipelines.for_light(light).render_fixed(raw) {
-        Ok(fixed) => fixed,
+        Ok(fixed) => Image::new(ColorSpace::Xyz, fixed.planes)?,
         // Raw images in volts, and kernels beyond 16 bits, have no fixed-point form.
         Err(L3Error::NotDigital | L3Error::NoFixedPoint(_)) => return Ok(None),
         Err(error) => return Err(error.into()),
     };
-    Ok(peak_ratio_db(picture.planes(), &fixed.planes).filter(|v| v.is_finite()))
+    let ratio = peak_ratio_db(scored.picture.planes(), fixed.planes()).filter(|v| v.is_finite());
+    let Some(psnr_db) = ratio else { return Ok(None) };
+    let cpsnr_loss_db = scored.scores.cpsnr_db - picture_cpsnr_db(&fixed, &scored.reference, settings)?;
+    Ok(Some(FixedPointScore { psnr_db, cpsnr_loss_db }))
 }
 
 #[cfg(test)]
@@ -370,7 +383,7 @@ mod tests {
     }
 
     #[test]
-    fn only_a_pipeline_without_a_fixed_point_form_has_no_ratio() {
+    fn only_a_pipeline_without_a_fixed_point_form_has_no_score() {
         let setup_with = |adc_bits| {
             let mut description = CameraDescription::default();
             description.sensor.adc_bits = adc_bits;
@@ -383,19 +396,19 @@ mod tests {
         let raw = |setup: &Setup| {
             setup.camera.sensor.capture(&setup.image, &setup.exposure, NoiseMode::All, 1).unwrap()
         };
-        let ratio = |setup: &Setup, pipeline: &Pipeline| {
+        let score = |setup: &Setup, pipeline: &Pipeline| {
             let set = PipelineSet::of_any_light(&Illuminant::D65, &setup.camera, pipeline.clone());
             let contender = Contender::with_pipelines(&setup.camera, "a", Some(&set));
-            fixed_point_psnr_db(&contender, &setup.light, &raw(setup), &scores.picture)
+            fixed_point(&contender, &setup.light, &raw(setup), &scores, &ScoreSettings::default())
         };
         let digital = raw(&setup);
         let white = digital.white_level();
-        assert!(ratio(&setup, &pipeline(&digital, white, 0.1)).unwrap().is_some());
-        assert_eq!(ratio(&setup, &pipeline(&digital, white, 1e6)), Ok(None));
+        assert!(score(&setup, &pipeline(&digital, white, 0.1)).unwrap().is_some());
+        assert_eq!(score(&setup, &pipeline(&digital, white, 1e6)), Ok(None));
         let volts = setup_with(0);
         let analog = raw(&volts);
-        assert_eq!(ratio(&volts, &pipeline(&analog, analog.white_level(), 0.1)), Ok(None));
-        let other = ratio(&setup, &pipeline(&digital, white - 1.0, 0.1));
+        assert_eq!(score(&volts, &pipeline(&analog, analog.white_level(), 0.1)), Ok(None));
+        let other = score(&setup, &pipeline(&digital, white - 1.0, 0.1));
         assert!(matches!(other, Err(CameraError::L3(L3Error::RawLevels { .. }))), "{other:?}");
     }
 }

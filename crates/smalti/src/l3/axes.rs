@@ -270,6 +270,20 @@ impl Axes {
         [v0, v1, v2 + self.flat_fraction.powi(2)]
     }
 
+    /// The same for the square of the sum of the absolute differences, in single precision, with which [`super::Pipeline::render_raw`] computes.
+    #[must_use]
+    pub fn summed_contrast_limit(&self) -> [f32; 3] {
+        let count = self.contrast_pairs().iter().map(ContrastPairs::count).sum::<usize>() as f32;
+        let noise = &self.noise;
+        // As in `contrast_limit`.
+        let over_noise = self.texture_over_noise * self.texture_over_noise;
+        let scale = (over_noise * 4.0 / std::f64::consts::PI) as f32 * count * count;
+        let [v0, v1] =
+            [noise.constant + noise.row + noise.column, noise.per_signal].map(|v| v as f32 * scale);
+        let flat = self.flat_fraction * self.flat_fraction;
+        [v0, v1, noise.quadratic() as f32 * scale + flat as f32 * count * count]
+    }
+
     /// The channel of a tap (row order) of the patch around a position.
     #[must_use]
     pub fn channel_of(&self, position: usize, tap: usize) -> usize {

@@ -41,6 +41,8 @@ pub(super) struct Classifier {
     /// Differences between samples of equal channels: the shift, and the rows and columns (inclusive,
     /// relative to the centre of the patch) of their first samples.
     pairs: [ContrastPairs; 2],
+    /// Coefficients of 1, x, x² in the threshold for the square of the summed differences.
+    contrast_limit: [f32; 3],
     orientation: Option<Orientation>,
     /// Cut points of each row of the tile.
     cuts: Vec<Cuts>,
@@ -119,6 +121,7 @@ impl Classifier {
         Self {
             half,
             pairs,
+            contrast_limit: axes.summed_contrast_limit(),
             orientation: (axes.textures() == Textures::Oriented).then(|| Orientation::new(shifts, half)),
             cuts: (0..tile_rows).map(|row| Cuts::new(axes, row, run)).collect(),
             run,
@@ -185,7 +188,7 @@ impl Kernel for Job<'_> {
                 strip,
                 cuts,
                 spans,
-                limits: c.contrast_limits(),
+                limits: c.contrast_limit,
                 below: 0,
                 scratch: s,
                 mean,
@@ -210,20 +213,6 @@ impl Classifier {
         let from = (row + window.margin[0] as isize) as usize - self.half;
         let lines = window.highest.iter().skip(from).take(self.axes.side());
         lines.fold(f32::MIN, |a, &b| a.max(b)) >= self.axes.clip() as f32
-    }
-
-    /// Coefficients of 1, x, x² in the threshold for the square of the summed differences.
-    #[inline(always)]
-    fn contrast_limits(&self) -> [f32; 3] {
-        let count = self.pairs.iter().map(ContrastPairs::count).sum::<usize>() as f32;
-        let noise = self.axes.noise();
-        let (over_noise, fraction) = self.axes.contrast();
-        // The mean absolute difference of two normal deviates with variance σ² is 2σ / √π.
-        let scale = (over_noise * over_noise * 4.0 / std::f64::consts::PI) as f32 * count * count;
-        let [v0, v1] =
-            [noise.constant + noise.row + noise.column, noise.per_signal].map(|v| v as f32 * scale);
-        let v2 = noise.quadratic() as f32 * scale + (fraction * fraction) as f32 * count * count;
-        [v0, v1, v2]
     }
 }
 

@@ -79,6 +79,11 @@ pub enum L3Error {
     /// The pipeline has no fixed-point form, for this reason.
     #[error("the pipeline has no fixed-point form: {0}")]
     NoFixedPoint(&'static str),
+    /// Best quality is asked of a pipeline that was learned for fast quality.
+    #[error(
+        "the pipeline has one stage; expected quality fast, or a pipeline that was learned for quality best"
+    )]
+    NoSecondStage,
     /// Two images of a pair differ in size.
     #[error("the raw image is {} × {} pixels, {what} {} × {}", size[0], size[1], got[0], got[1])]
     PairSize {

@@ -24,6 +24,7 @@ mod lattice;
 mod learner;
 mod levels;
 mod moments;
+mod multiply_adds;
 mod orientation;
 mod pair;
 mod pipeline;
@@ -54,11 +55,12 @@ pub use lattice::ContrastPairs;
 pub use learner::{Learner, SecondStage};
 pub use levels::Levels;
 pub use moments::Moments;
+pub use multiply_adds::MultiplyAdds;
 pub use pair::Pair;
 pub use pipeline::{Class, Kernels, Origin, Pipeline, PipelineParts};
 pub use refine::{
-    REFINEMENT_INPUTS, REFINEMENT_LINEAR_INPUTS, REFINEMENT_REVISION, Refinement, RefinementAxes,
-    RefinementClass, RefinementStatistics,
+    FixedRefinement, Polynomial, REFINEMENT_INPUTS, REFINEMENT_LANES, REFINEMENT_LINEAR_INPUTS, REFINEMENT_REVISION, Refinement,
+    RefinementAxes, RefinementClass, RefinementPicture, RefinementStatistics,
 };
 pub use registration::{
     Aligned, GOOD_CORRELATION, GOOD_RESIDUAL_PX, MIN_CORRELATION, MIN_SIDE, RESOLVED_SHIFT_PX, Registration,

@@ -232,6 +232,18 @@ impl Pipeline {
         if self.refinement.is_some() { Quality::Best } else { Quality::Fast }
     }
 
+    /// The pipeline with the stages of a quality: one of best quality also renders with its first stage alone.
+    ///
+    /// # Errors
+    /// [`L3Error::NoSecondStage`] when best quality is asked of a pipeline of one stage.
+    pub fn at_quality(self, quality: Quality) -> Result<Self, L3Error> {
+        match (quality, &self.refinement) {
+            (Quality::Best, None) => Err(L3Error::NoSecondStage),
+            (Quality::Best, Some(_)) => Ok(self),
+            (Quality::Fast, _) => Ok(Self { refinement: None, ..self }),
+        }
+    }
+
     /// White point of the output, X, Y, Z with Y = 1, where the outputs are X, Y, Z and it is known.
     #[must_use]
     pub fn white(&self) -> Option<[f64; 3]> {

@@ -35,6 +35,7 @@ mod isetcam_optics;
 mod isetcam_scene;
 mod isetcam_sensor;
 mod isp;
+mod l3_cost;
 mod l3_fallback;
 mod l3_registration;
 mod l3_training;

@@ -38,13 +38,22 @@ pub(super) fn flat(pipeline: &Pipeline) -> Option<Flat> {
     Some(Flat { coefficients: rounded.map(|v| v.round() as u64), bits, more_bits })
 }
 
-/// Both ends of two differences around a pixel (row, column, row, column), and the matrix from differences to the gradient in
-/// rows and columns times a common factor, which directions do not depend on.
-pub(super) fn gradients(pairs: &[ContrastPairs; 2]) -> ([[isize; 4]; 2], [[isize; 2]; 2]) {
-    let ends = pairs.map(|p| {
+/// Both ends of two differences around a pixel: row, column, row, column.
+pub(super) fn ends(pairs: &[ContrastPairs; 2]) -> [[isize; 4]; 2] {
+    pairs.map(|p| {
         let [row, col] = p.shift.map(|s| -s.div_euclid(2));
         [row, col, row + p.shift[0], col + p.shift[1]]
-    });
+    })
+}
+
+/// The matrix from differences to the gradient in rows and columns, times [`determinant`].
+pub(super) fn gradient(pairs: &[ContrastPairs; 2]) -> [[isize; 2]; 2] {
     let [[a, b], [c, d]] = pairs.map(|p| p.shift);
-    (ends, [[d, -b], [-c, a]])
+    [[d, -b], [-c, a]]
+}
+
+/// The common factor of [`gradient`], on which directions do not depend.
+pub(super) fn determinant(pairs: &[ContrastPairs; 2]) -> isize {
+    let [[a, b], [c, d]] = pairs.map(|p| p.shift);
+    a * d - b * c
 }

@@ -2,7 +2,7 @@
 
 use smalti::l3::{ContrastPairs, Pipeline, Textures};
 
-/// What the exported reference does for a pixel, reading and indexing apart, and the memory of its tables.
+/// What the first stage of the exported reference in integers does for a pixel, reading and indexing apart, and the memory of its tables.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Operations {
     /// Multiplications for the outputs alone: taps × outputs.
@@ -17,7 +17,7 @@ pub struct Operations {
     pub table_bytes: u64,
 }
 
-/// Counts what a pixel of the exported reference costs, every sum taken anew. Of an unclipped patch: what follows from clipped
+/// Counts what a pixel of the first stage of the exported reference in integers costs, every sum taken anew. Of an unclipped patch: what follows from clipped
 /// channels costs `saturations` comparisons more. Clamping samples to 16 bits is left out: those of a sensor fit.
 #[must_use]
 pub fn operations(pipeline: &Pipeline) -> Operations {

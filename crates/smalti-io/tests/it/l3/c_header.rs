@@ -6,7 +6,7 @@ use std::process::Command;
 
 use smalti::l3::{Pair, Pipeline, Statistics, Textures};
 use smalti::numeric::Planes;
-use smalti_io::l3::{operations, write_c_header};
+use smalti_io::l3::{CArithmetic, operations, write_c_header};
 
 use super::fixtures::{Recipe, axes, bayer, outputs, pipeline, raw, recipes};
 
@@ -41,14 +41,15 @@ int main(int argc, char **argv)
 }
 "#;
 
-fn compile(dir: &Path, source: &str, options: &[&str]) -> Option<()> {
+/// `None` where there is no C compiler.
+pub(crate) fn compile(dir: &Path, source: &str, options: &[&str]) -> Option<()> {
     std::fs::write(dir.join("main.c"), source).unwrap();
     let cc = std::env::var("CC").unwrap_or_else(|_| "cc".into());
     let Ok(output) = Command::new(&cc)
         .current_dir(dir)
         .args(["-std=c99", "-pedantic", "-Wall", "-Wextra", "-Wconversion", "-Wshadow", "-Werror", "-O1"])
         .args(options)
-        .args(["-o", "main", "main.c"])
+        .args(["-o", "main", "main.c", "-lm"])
         .output()
     else {
         eprintln!("skipped: no C compiler ({cc})");
@@ -152,7 +153,7 @@ pub(crate) fn definition(
 
 /// That of an image which begins with a whole tile, and one that begins with the last cell of it: the first phase that makes
 /// the same mosaic, which is the one that the library takes it for.
-fn phases(r: &Recipe) -> [[usize; 2]; 2] {
+pub(crate) fn phases(r: &Recipe) -> [[usize; 2]; 2] {
     let axes = axes(r);
     let (tile, rows, cols) = (axes.mosaic(), r.tile.0, r.tile.1);
     let last = tile.shifted(rows - 1, cols - 1);
@@ -190,7 +191,7 @@ fn check(r: &Recipe, rows: usize, cols: usize, phase: [usize; 2]) -> Option<()> 
     let p = pipeline(r);
     let dir = tempfile::tempdir().unwrap();
     let dir = dir.path();
-    write_c_header(&dir.join("table.h"), &p, "my").unwrap();
+    write_c_header(&dir.join("table.h"), &p, "my", CArithmetic::Integers).unwrap();
     compile(dir, PROGRAM, &[])?;
     let (image, samples) = raw(r, rows, cols, phase);
     let bytes: Vec<u8> = samples.iter().flat_map(|s| s.to_ne_bytes()).collect();
@@ -275,7 +276,7 @@ fn no_sample_overflows() {
     let r = Recipe { textures: Textures::Oriented, ..recipes()[2].clone() };
     let dir = tempfile::tempdir().unwrap();
     let dir = dir.path();
-    write_c_header(&dir.join("table.h"), &pipeline(&r), "my").unwrap();
+    write_c_header(&dir.join("table.h"), &pipeline(&r), "my", CArithmetic::Integers).unwrap();
     if compile(
         dir,
         PROGRAM,
@@ -298,12 +299,15 @@ fn no_sample_overflows() {
 fn what_has_no_place_in_a_header_is_refused() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("table.h");
-    let error =
-        |r: &Recipe, prefix: &str| write_c_header(&path, &pipeline(r), prefix).unwrap_err().to_string();
-    for prefix in ["", "1a", "a-b", "Big", "a b", "_x", "a/**/"] {
-        assert!(error(&bayer(), prefix).contains("small letters"), "{prefix}");
+    for arithmetic in [CArithmetic::Integers, CArithmetic::SinglePrecision] {
+        let error = |r: &Recipe, prefix: &str| {
+            write_c_header(&path, &pipeline(r), prefix, arithmetic).unwrap_err().to_string()
+        };
+        for prefix in ["", "1a", "a-b", "Big", "a b", "_x", "a/**/"] {
+            assert!(error(&bayer(), prefix).contains("small letters"), "{prefix}");
+        }
+        let volts = Recipe { levels: [0.0, 0.9], ..bayer() };
+        assert!(error(&volts, "my").contains("expected digital numbers of 16 bits"));
     }
-    let volts = Recipe { levels: [0.0, 0.9], ..bayer() };
-    assert!(error(&volts, "my").contains("expected digital numbers of 16 bits"));
     assert!(!path.exists());
 }

@@ -149,13 +149,24 @@ pub(crate) fn parts(r: &Recipe) -> PipelineParts {
 
 /// A pipeline whose outputs are X, Y, Z.
 pub(crate) fn picture_pipeline() -> Pipeline {
+    picture_pipeline_of(&bayer())
+}
+
+/// The same with other axes.
+pub(crate) fn picture_pipeline_of(r: &Recipe) -> Pipeline {
     let outputs = ["X", "Y", "Z"].map(String::from).to_vec();
-    Pipeline::from_parts(PipelineParts { outputs, ..parts(&bayer()) }).unwrap()
+    Pipeline::from_parts(PipelineParts { outputs, ..parts(&Recipe { outputs: 3, ..r.clone() }) }).unwrap()
 }
 
 /// A second stage with random kernels that sum to about one.
 pub(crate) fn second_stage() -> Refinement {
-    let axes = RefinementAxes::new(Levels::logarithmic(3, 0.01, 0.8).unwrap(), [1e-4, 1e-4, 0.0]).unwrap();
+    second_stage_of(
+        RefinementAxes::new(Levels::logarithmic(3, 0.01, 0.8).unwrap(), [1e-4, 1e-4, 0.0]).unwrap(),
+    )
+}
+
+/// The same with other axes.
+pub(crate) fn second_stage_of(axes: RefinementAxes) -> Refinement {
     let mut random = Stream::new(3, 1, 4);
     let mut numbers =
         |n: usize, size: f64| (0..n).map(|_| (random.uniform() * size) as f32).collect::<Vec<_>>();

@@ -15,8 +15,11 @@
 
 mod axes;
 mod classes;
+mod fixed;
 mod inputs;
 mod layout;
+mod pictures;
+mod polynomial;
 mod products;
 mod refinement;
 mod roots;
@@ -28,7 +31,11 @@ mod tests;
 mod x86;
 
 pub use axes::RefinementAxes;
+pub use fixed::FixedRefinement;
+pub use pictures::{REFINEMENT_LANES, RefinementPicture};
+pub use polynomial::Polynomial;
 pub use refinement::{REFINEMENT_INPUTS, REFINEMENT_LINEAR_INPUTS, Refinement, RefinementClass};
 pub use statistics::{REFINEMENT_REVISION, RefinementStatistics};
 
+pub(super) use pictures::multiply_adds;
 pub(super) use stages::REACH;

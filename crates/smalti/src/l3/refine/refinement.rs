@@ -82,6 +82,11 @@ impl Refinement {
         &self.classes
     }
 
+    /// The kernels in the layout of the inner loop.
+    pub(super) fn kernels(&self) -> &[Kernels] {
+        &self.kernels
+    }
+
     /// The weights, in the order class, output, input.
     pub fn weights(&self) -> impl Iterator<Item = f32> {
         self.kernels.iter().flat_map(weights_of)

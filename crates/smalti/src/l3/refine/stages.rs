@@ -14,11 +14,11 @@ pub(super) const SCALES: usize = 5;
 /// are pixels of theirs as well.
 pub(super) const FINE: usize = 3;
 /// Number of pictures: the picture, the fine smooth ones, every second pixel of the last of these, and the coarse smooth ones.
-const PICTURES: usize = 2 + SCALES;
+pub(super) const PICTURES: usize = 2 + SCALES;
 /// Index of the first picture of every second row and column.
-const HALF: usize = 1 + FINE;
+pub(super) const HALF: usize = 1 + FINE;
 /// Distances of the neighbours over which a smoothing averages, in its own pixels; 0 for pictures that are not smoothings.
-const STEPS: [usize; PICTURES] = [0, 1, 2, 4, 0, 4, 8];
+pub(super) const STEPS: [usize; PICTURES] = [0, 1, 2, 4, 0, 4, 8];
 /// Differences of colour up to twice these tolerances count, in standard deviations of a sample: each is half of that of the smoothing
 /// before, because the noise falls about as fast.
 const TOLERANCES: [f32; PICTURES] = [0.0, 3.0, 1.5, 0.75, 0.0, 0.375, 0.1875];
@@ -32,7 +32,7 @@ pub(in super::super) const REACH: usize = ROWS_BEYOND + 1;
 /// Rows and columns around a picture: at least the longest step, and what classes and products read.
 pub(super) const MARGIN: usize = 16;
 /// Rows around an output that classes and products read.
-const AROUND: usize = 3;
+pub(super) const AROUND: usize = 3;
 
 /// X, Y and Z of the rows of a picture, which is mirrored about its outermost pixels. It keeps all rows or the latest ones.
 pub(super) struct Padded {
@@ -84,14 +84,8 @@ impl Padded {
         if index == HALF {
             return dispatch(EverySecond { of: self, row: 2 * row, planes });
         }
-        let squared = 4.0 * TOLERANCES[index] * TOLERANCES[index];
-        dispatch(Smoothing {
-            of: self,
-            row,
-            step: STEPS[index],
-            squares: noise.map(|v| squared * v),
-            planes,
-        });
+        let squares = scaled(index, noise);
+        dispatch(Smoothing { of: self, row, step: STEPS[index], squares, planes });
     }
 }
 
@@ -125,6 +119,17 @@ pub(super) struct Stages([Padded; PICTURES]);
 /// The coefficients of what is tolerated, from those of 1, Y and Y² in the variance of the noise of a sample.
 fn tolerated([v0, v1, v2]: [f32; 3]) -> [f32; 3] {
     [v0, v1, v2 + CONTRAST * CONTRAST]
+}
+
+/// The coefficients of the greatest squared difference of colours that counts in a smoothing, from those of what is tolerated.
+fn scaled(index: usize, tolerated: [f32; 3]) -> [f32; 3] {
+    let squared = 4.0 * TOLERANCES[index] * TOLERANCES[index];
+    tolerated.map(|v| squared * v)
+}
+
+/// The same from the coefficients of the noise of a sample.
+pub(super) fn squares_of(index: usize, noise: [f32; 3]) -> [f32; 3] {
+    scaled(index, tolerated(noise))
 }
 
 /// Size of a picture.
@@ -170,7 +175,7 @@ fn row_of(index: usize, output: isize) -> isize {
 }
 
 /// Rows of every picture, in its own rows, beyond the outputs that depend on them, for outputs from an even row on.
-const BEYOND: [usize; PICTURES] = {
+pub(super) const BEYOND: [usize; PICTURES] = {
     let mut beyond = [0; PICTURES];
     let mut index = PICTURES - 1;
     while index > 0 {

@@ -233,6 +233,81 @@ fn a_picture_may_count_several_times() {
     assert!(far < 1e-4, "{far}");
 }
 
+/// The second stage in integers gives the picture that single precision gives, to 75 dB of its peak, and is as near to the target.
+#[test]
+fn integers_refine_as_single_precision_does() {
+    let refinement = learned(1..9).solve().unwrap();
+    let fixed = refinement.fixed().unwrap();
+    for (light, seed) in [(1.0, 100), (0.1, 102)] {
+        let scaled = |planes: Planes| {
+            let data = planes.data().iter().map(|v| v * light).collect();
+            Planes::new(planes.rows(), planes.cols(), 3, data).unwrap()
+        };
+        let target = scaled(tiles(121, 130, 24, seed));
+        let picture = noisy(&target, seed + 1);
+        let (mut float, mut integers) = (picture.clone(), picture);
+        refinement.apply(&mut float).unwrap();
+        fixed.apply_to(&mut integers);
+        let db = crate::l3::peak_ratio_db(&float, &integers).unwrap();
+        let loss = 10.0 * (mean_square(&integers, &target) / mean_square(&float, &target)).log10();
+        println!("light {light}: {db:.1} dB, a loss of {loss:.4} dB");
+        assert!(db > 75.0, "{db}");
+        assert!(loss < 0.02, "{loss}");
+    }
+}
+
+/// Whatever a picture holds, no number overflows (the profile of tests checks), and what is uniform stays so. Values saturate at 8 times white.
+#[test]
+fn integers_saturate_and_do_not_overflow() {
+    let fixed = learned(1..4).solve().unwrap().fixed().unwrap();
+    let (rows, cols) = (37, 41);
+    let mut random = Stream::new(5, 5, 5);
+    let extreme = |random: &mut Stream| match random.next_u32() % 4 {
+        0 => i32::MIN,
+        1 => i32::MAX,
+        2 => 0,
+        _ => random.next_u32() as i32 >> 9,
+    };
+    let mut picture: Vec<i32> = (0..3 * rows * cols).map(|_| extreme(&mut random)).collect();
+    fixed.apply(&mut picture, rows, cols);
+    assert!(picture.iter().all(|v| v.abs() <= FixedRefinement::MOST));
+    for value in [0, 9_000, 1 << FixedRefinement::PLACES, i32::MAX] {
+        let mut uniform = vec![value; 3 * rows * cols];
+        fixed.apply(&mut uniform, rows, cols);
+        for plane in uniform.chunks(rows * cols) {
+            assert!(plane.iter().all(|v| *v == plane[0]), "{value}");
+        }
+    }
+}
+
+#[test]
+fn what_has_no_place_in_integers_is_refused() {
+    let with = |axes: RefinementAxes, weight: f32, offset: f32| {
+        let count = axes.count();
+        let class = RefinementClass { count: 0, is_learned: false };
+        let weights = vec![weight; count * 3 * REFINEMENT_INPUTS];
+        let stage = Refinement::new(axes, vec![class; count], weights, vec![offset; count * 3]).unwrap();
+        stage.fixed().map_err(|e| e.to_string())
+    };
+    assert!(with(axes(), 1.0, 0.1).is_ok());
+    assert!(with(axes(), 4e4, 0.1).unwrap_err().contains("a weight"));
+    assert!(with(axes(), 1.0, 1e20).unwrap_err().contains("an offset"));
+    let strong = axes().with_structures(vec![0.02, 7e4], 8).unwrap();
+    assert!(with(strong, 1.0, 0.0).unwrap_err().contains("a strength"));
+    let loud = RefinementAxes::new(axes().levels().clone(), [10.0, 0.0, 0.0]).unwrap();
+    assert!(with(loud, 1.0, 0.0).unwrap_err().contains("the noise"));
+}
+
+/// The multiply-adds of the kernels are those of the inputs, and fifteen for the roots; a smooth picture reads eight neighbours of three colours.
+#[test]
+fn multiply_adds_follow_from_the_sizes_of_kernels() {
+    let [smooth, _, kernels] = multiply_adds(&axes());
+    assert_eq!(kernels, (3 * REFINEMENT_INPUTS + 15) as f64);
+    // Three pictures of every pixel and two of every fourth: of nine pixels three products with a weight, of eight three squares and two for
+    // the weight, and eight of the centre.
+    assert_eq!(smooth, (3.0 + 2.0 / 4.0) * (9.0 * 3.0 + 8.0 * 5.0 + 8.0));
+}
+
 /// A kernel that picks one input gives what training reads for it, at every pixel.
 #[test]
 fn rendering_and_training_read_the_same_inputs() {
@@ -256,12 +331,21 @@ fn rendering_and_training_read_the_same_inputs() {
 }
 
 #[test]
-fn roots_scale_with_the_light_and_are_those_of_a_row() {
+fn roots_scale_with_the_light_in_both_arithmetics() {
     let colours = [[0.3, 0.2, 0.05], [0.0, 0.0, 0.0], [-0.1, 0.02, 0.4], [0.95, 1.0, 1.09]];
     for [x, y, z] in colours {
         let own = super::roots::roots(x, y, z);
         let doubled = super::roots::roots(2.0 * x, 2.0 * y, 2.0 * z);
         assert!(own.iter().zip(doubled).all(|(a, b)| (2.0 * a - b).abs() < 1e-6), "{own:?} {doubled:?}");
+    }
+    // In integers they are rounded down.
+    for colour in colours {
+        let whole = colour.map(|v| (f64::from(v) * f64::from(1u32 << 20)).round() as i32);
+        let float = super::roots::roots(colour[0], colour[1], colour[2]);
+        for (whole, float) in super::roots::fixed_roots(whole).into_iter().zip(float) {
+            let error = f64::from(whole) / f64::from(1u32 << 20) - f64::from(float);
+            assert!(error.abs() < 3e-6, "{colour:?}: {error}");
+        }
     }
     // White of D65 is grey, of which every root is the luminance.
     let white = super::roots::roots(0.950_456, 1.0, 1.089_058);

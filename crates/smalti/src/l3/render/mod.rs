@@ -20,9 +20,9 @@ pub use fixed::FixedKernels;
 pub use index::OutsideCounts;
 
 use super::classify::Classifier;
-use super::refine::REACH;
+use super::refine::{FixedRefinement, REACH};
 use super::statistics::{check_size, listed, phase_in};
-use super::{L3Error, Pipeline};
+use super::{L3Error, Pipeline, Refinement};
 use crate::color::{ColorSpace, Image};
 use crate::isp::{Isp, IspError};
 use crate::numeric::{Planes, ShapeError};
@@ -75,6 +75,7 @@ impl Renderer<'_> {
 pub struct FixedRenderer<'a> {
     engine: Engine<'a, i16>,
     kernels: FixedKernels,
+    refinement: Option<FixedRefinement>,
     levels: [f64; 2],
 }
 
@@ -100,7 +101,11 @@ impl FixedRenderer<'_> {
             return Err(L3Error::RawLevels { expected, got });
         }
         let digital = Digital::new(samples, raw.cols(), &self.kernels);
-        Ok(self.engine.render(raw, &digital, phase, planes))
+        let outside = self.engine.render(raw, &digital, phase, planes);
+        if let Some(refinement) = &self.refinement {
+            refinement.apply_to(planes);
+        }
+        Ok(outside)
     }
 }
 
@@ -129,7 +134,8 @@ impl Pipeline {
     }
 
     /// Renders in fixed point: products of 16-bit samples and 16-bit kernels, scaled per class
-    /// ([`FixedKernels`]), are summed in 32 bits. Pixels have the same classes as in single precision.
+    /// ([`FixedKernels`]), are summed in 32 bits. Pixels have the same classes as in single precision. The second stage of a pipeline of best
+    /// quality computes in integers as well ([`FixedRefinement`]), with the picture of the first one rounded to them.
     ///
     /// # Errors
     /// As for [`Pipeline::render_raw`]; also when the samples are volts, or the kernels are too large for 16
@@ -178,20 +184,16 @@ impl Pipeline {
     pub fn fixed_renderer(&self, black_level: f64, white_level: f64) -> Result<FixedRenderer<'_>, L3Error> {
         let kernels = self.fixed_kernels(black_level, white_level)?;
         let engine = Engine::fixed(self, &kernels)?;
-        Ok(FixedRenderer { engine, kernels, levels: [black_level, white_level] })
+        let refinement = self.refinement().map(Refinement::fixed).transpose()?;
+        Ok(FixedRenderer { engine, kernels, refinement, levels: [black_level, white_level] })
     }
 
-    /// The 16-bit kernels for raw images with these levels, digital numbers.
+    /// The 16-bit kernels of the first stage for raw images with these levels, digital numbers.
     ///
     /// # Errors
     /// When the white level is not above the black level, and [`L3Error::NoFixedPoint`] when the kernels are too
     /// large.
     pub fn fixed_kernels(&self, black_level: f64, white_level: f64) -> Result<FixedKernels, L3Error> {
-        if self.refinement().is_some() {
-            return Err(L3Error::NoFixedPoint(
-                "its second stage computes in single precision; expected a pipeline of quality fast",
-            ));
-        }
         FixedKernels::new(self, black_level, white_level)
     }
 }
