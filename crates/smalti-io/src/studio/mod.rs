@@ -89,7 +89,8 @@ pub fn assets(camera: &Camera, progress: &dyn Progress) -> Result<Vec<StudioAsse
             if progress.is_stopped() {
                 return Err(ExperimentError::Stopped.into());
             }
-            let scene = LiveScene { name: (*id).into(), ..setup.scene(&scene(catalogue, &illuminant)?, COMPONENTS)? };
+            let scene =
+                LiveScene { name: (*id).into(), ..setup.scene(&scene(catalogue, &illuminant)?, COMPONENTS)? };
             let planes = &scene.scene.light.planes;
             let set = if rendered::find(catalogue).is_some() { "natural" } else { "charts" };
             let file = format!("{id}.bin");
