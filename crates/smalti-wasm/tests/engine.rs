@@ -219,7 +219,10 @@ fn what_is_wrong_is_told() {
     assert!(engine.ask(format!("{{\"curves\":{{\"design\":{deep}}}}}").as_bytes()).is_err());
     assert!(engine.ask(whole.as_bytes()).is_ok());
     // Files that were not loaded, or are damaged.
-    assert!(refused(&mut Engine::default(), &with(&["name"], json!("a"))).contains("not loaded"));
+    assert!(
+        refused(&mut Engine::default(), &with(&["name"], json!("a")))
+            .contains("expected before this request")
+    );
     let bytes = studio::training_to_bytes(&files().training, Path::new("test")).unwrap();
     for at in (0..bytes.len()).step_by(bytes.len() / 23) {
         let mut damaged = bytes.clone();
