@@ -81,7 +81,6 @@ pub enum StudioAssetError {
 pub fn assets(camera: &Camera, progress: &dyn Progress) -> Result<Vec<StudioAsset>, StudioAssetError> {
     let illuminant = Illuminant::D65;
     let setup = LiveSetup::new(camera.description(), illuminant.clone(), learning());
-    setup.ensure_fits(camera.description())?;
     progress.expect(SCENES.len() as u64 + 1);
     let scenes: Vec<(Value, StudioAsset)> = SCENES
         .par_iter()
