@@ -115,6 +115,7 @@ test("the whole view takes half a second, whatever changes", async () => {
     luminance: `(i) => [with_filter("G", { builtin: "pigment/G" }), 3 * 1.1 ** i]`,
     "read noise": `(i) => { const d = structuredClone(with_filter("G", { builtin: "pigment/G" })); d.sensor.pixel.read_noise_mv = 0.5 + i / 20; return [d, 10]; }`,
     cell: `(i) => { const d = structuredClone(with_filter("G", { builtin: "pigment/G" })); const n = i + 21; d.sensor.cfa.pattern = Array.from({ length: 4 }, (_, r) => Array.from({ length: 4 }, (_, c) => "RGBG"[(r * r * n + c * (n >> 1) + ((n >> (r + c)) & 1)) % 4]).join("")).map((line, r) => ["R", "G", "B", "G"][r] + line.slice(1)); return [d, 10]; }`,
+    "the size of the tile": `(i) => { const d = structuredClone(with_filter("G", { builtin: "pigment/G" })); const [rows, cols] = [2 + i % 5, 2 + ((i / 5) | 0)]; d.sensor.cfa.pattern = Array.from({ length: rows }, (_, r) => Array.from({ length: cols }, (_, c) => "RGBG"[(2 * r + c) % 4]).join("")); return [d, 10]; }`,
   };
   const failed = [];
   for (const [what, change] of Object.entries(changes)) {
