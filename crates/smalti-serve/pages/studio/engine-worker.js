@@ -1,0 +1,121 @@
+// @ts-check
+// A worker with the library as WebAssembly. It sees nothing of the page.
+
+/** @type {any} */
+let wasm;
+/** @type {string} */
+let base;
+/** @type {{ scenes: { id: string, file: string }[], [key: string]: any }} */
+let manifest;
+/** Files that are loaded or on their way. @type {Map<string, Promise<void>>} */
+const loaded = new Map();
+
+/** @param {string} name @returns {Promise<ArrayBuffer>} */
+async function inflated(name) {
+  const response = await fetch(new URL(name, base));
+  if (!response.ok || !response.body) throw new Error(`${name} is missing: ${response.status}`);
+  return new Response(response.body.pipeThrough(new DecompressionStream("deflate-raw"))).arrayBuffer();
+}
+
+/** @param {Uint8Array} bytes */
+function put(bytes) {
+  const at = wasm.reserve(bytes.byteLength);
+  new Uint8Array(wasm.memory.buffer).set(bytes, at);
+}
+
+/** The answer of the module: JSON, and bytes behind it. @returns {{ said: any, bytes: ArrayBuffer }} */
+function answer() {
+  const all = new Uint8Array(wasm.memory.buffer, wasm.output(), wasm.output_bytes());
+  const length = new DataView(all.buffer, all.byteOffset).getUint32(0, true);
+  const said = JSON.parse(new TextDecoder().decode(all.slice(4, 4 + length)));
+  return { said, bytes: all.slice(4 + length).buffer };
+}
+
+/** @param {number} result */
+function checked(result) {
+  if (result < 0) throw new Error(new TextDecoder().decode(new Uint8Array(wasm.memory.buffer, wasm.output(), wasm.output_bytes()).slice()));
+}
+
+/** @param {string} task @param {any} content */
+function ask(task, content) {
+  put(new TextEncoder().encode(JSON.stringify({ [task]: content })));
+  checked(wasm.ask());
+  return answer();
+}
+
+/** Hands a file of the assets to the module, once. @param {string} name */
+function load(name) {
+  let loading = loaded.get(name);
+  if (!loading) {
+    loading = inflated(name).then((bytes) => {
+      put(new Uint8Array(bytes));
+      checked(wasm.load());
+    });
+    loading.catch(() => loaded.delete(name));
+    loaded.set(name, loading);
+  }
+  return loading;
+}
+
+/** @param {ArrayBuffer} a @param {ArrayBuffer} b @returns {ArrayBuffer} */
+function joined(a, b) {
+  const all = new Uint8Array(a.byteLength + b.byteLength);
+  all.set(new Uint8Array(a));
+  all.set(new Uint8Array(b), a.byteLength);
+  return all.buffer;
+}
+
+/** @param {string} id */
+function scene_file(id) {
+  const scene = manifest.scenes.find((s) => s.id === id);
+  if (!scene) throw new Error(`there is no scene ${id}`);
+  return scene.file;
+}
+
+/** @type {Record<string, (content: any) => Promise<any>>} */
+const tasks = {
+  start: async (content) => {
+    base = content.base;
+    const [text, module] = await Promise.all([fetch(new URL("manifest.json", base)), inflated("studio.wasm.deflate")]);
+    if (!text.ok) throw new Error(`manifest.json is missing: ${text.status}`);
+    manifest = await text.json();
+    wasm = (await WebAssembly.instantiate(module)).instance.exports;
+    return { ...manifest, catalogue: ask("catalogue", {}).said };
+  },
+  draw: async (content) => {
+    await Promise.all([load(manifest.training), load(scene_file(content.scene))]);
+    const times = [performance.now()];
+    const timed = (/** @type {string} */ part) => {
+      const result = ask(part, content);
+      times.push(performance.now());
+      return result;
+    };
+    const { said: learned } = timed("learn");
+    const { said, bytes } = timed("draw");
+    const measured = content.measure ? timed("measure") : null;
+    const [learn, draw, score] = times.slice(1).map((time, i) => time - times[i]);
+    const all = measured ? joined(bytes, measured.bytes) : bytes;
+    return { said: { ...learned, ...said, scores: measured?.said ?? null, timings_ms: { learn, draw, score: score ?? 0 } }, bytes: all };
+  },
+  scores: async (content) => {
+    await load(manifest.statistics);
+    return ask("scores", content);
+  },
+  curves: async (content) => ask("curves", content),
+  improve: async (content) => {
+    await load(manifest.statistics);
+    return ask("improve", content);
+  },
+  step: async (content) => ask("step", content),
+  camera_toml: async (content) => ask("camera_toml", content),
+  parse: async (content) => ask("parse", content),
+};
+
+self.onmessage = async ({ data }) => {
+  try {
+    const result = await tasks[data.task](data.content);
+    self.postMessage({ id: data.id, result }, { transfer: result?.bytes ? [result.bytes] : [] });
+  } catch (error) {
+    self.postMessage({ id: data.id, error: error instanceof Error ? error.message : String(error) });
+  }
+};

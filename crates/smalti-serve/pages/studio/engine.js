@@ -1,0 +1,301 @@
+// @ts-check
+// The engine of the studio: designs go in, pictures, scores and curves come out. Everything is computed by the library, as WebAssembly in
+// Web Workers; nothing here knows any physics.
+//
+// A design is a camera description, as JSON: the keys are those of a camera file (`smalti list camera-keys`), and every key has its
+// default. The tile is `sensor.cfa.pattern`, the filters are `sensor.cfa.filters`.
+//
+// What is live, and what the assets fix: the light of the scenes on the pixels is gathered once, behind one lens and on one pixel
+// geometry. `optics` (except `transmittance` and `ir_cut`), `sensor.pixel.pitch_um`, `sensor.pixel.fill_factor`, `sensor.rows`,
+// `sensor.cols` and `wavelengths_nm` of a design are therefore those of one of the setups in `engine.setups`; a design with other values
+// is refused with a message that names the key. All other keys of the sensor, of the lens's transmittance and of the exposure are live.
+
+/**
+ * The transmittance of a filter: one key, such as `{ gaussian: { center_nm: 540, sigma_nm: 35, peak: 0.9 } }`.
+ * @typedef {{ flat: number } | { gaussian: { center_nm: number, sigma_nm: number, peak?: number } }
+ *   | { box: { low_nm: number, high_nm: number, peak?: number } }
+ *   | { raised_cosine: { center_nm: number, fwhm_nm: number, peak?: number } }
+ *   | { long_pass: { edge_nm: number, width_nm: number, peak?: number } }
+ *   | { short_pass: { edge_nm: number, width_nm: number, peak?: number } }
+ *   | { butterworth: { center_nm: number, fwhm_nm: number, order: number, peak?: number } }
+ *   | { dye: { bands: { center_nm: number, fwhm_nm: number, absorbance: number }[], peak?: number, leakage?: number } }
+ *   | { builtin: string }
+ *   | { samples: { start_nm: number, step_nm: number, values: number[] } }} Filter
+ */
+
+/**
+ * A camera description. `pattern` is the name of a built-in mosaic or its lines, one letter a cell; `filters` has a filter for each letter.
+ * @typedef {object} Design
+ * @property {string} [name]
+ * @property {Record<string, any>} [optics]
+ * @property {{ quantum_efficiency?: Filter, pixel?: Record<string, number>, cfa?: { pattern?: string | string[],
+ *   filters?: Record<string, Filter>, mixtures?: Record<string, Record<string, number>> }, [key: string]: any }} [sensor]
+ * @property {Record<string, any>} [exposure]
+ * @property {Record<string, any>} [isp]
+ */
+
+/** @typedef {{ id: string, name: string, set: "charts" | "natural", width: number, height: number }} Scene */
+/** @typedef {{ row: number, col: number, rows: number, cols: number }} Crop */
+
+/**
+ * The lens and pixel geometry of the assets: the values of the keys that are not live.
+ * @typedef {{ id: string, name: string, fixed: Record<string, any>, camera: Design }} Setup
+ */
+
+/**
+ * A warning about a design. `filter` is the letter of the filter that it is about.
+ * @typedef {{ key: string, message: string, filter?: string }} Warning
+ */
+
+/**
+ * The differences of the picture from the reference, as `smalti compare` scores them.
+ * @typedef {{ cpsnr_db: number, pixel_delta_e_2000_mean: number, pixel_delta_e_2000_p95: number, scielab_mean: number }} PictureScores
+ */
+
+/**
+ * A picture of a scene by a design with the pipeline that was learned for it. `rgba` has four bytes a pixel, row by row; `reference` is
+ * what the standard observer sees; `difference` has CIEDE2000 at every pixel if scores were asked for. `crop` is the part of the scene
+ * that is shown. `exposure_ms` is the time of the exposure.
+ * @typedef {object} Picture
+ * @property {number} width @property {number} height
+ * @property {Uint8ClampedArray} rgba @property {Uint8ClampedArray} reference
+ * @property {PictureScores | null} scores @property {Float32Array | null} difference
+ * @property {Crop} crop @property {number} exposure_ms @property {number} saturated_percent
+ * @property {Warning[]} warnings
+ * @property {{ learn: number, draw: number, score: number, total: number }} timings_ms
+ */
+
+/**
+ * Expected figures of the best linear pipeline, in closed form (docs/designs.md), at a luminance.
+ * @typedef {{ luminance_cd_m2: number, cpsnr_db: number, detail_db: number, delta_e_2000: number, scielab: number, time_s: number }} Expected
+ */
+
+/**
+ * The derivatives of an expected figure with respect to the transmittance of each filter at each wavelength of `wavelengths_nm`, by letter.
+ * @typedef {Record<string, number[]>} Derivative
+ */
+
+/**
+ * Scores of a design without a picture. `array` has the figures of the array alone, as `smalti evaluate` prints them.
+ * @typedef {object} Scores
+ * @property {Expected[]} expected One for each luminance.
+ * @property {{ vora: number, smi: number | null, photon_efficiency: number, condition_number: number | null, luminance_noise_gain: number }} array
+ * @property {number[]} wavelengths_nm
+ * @property {{ cpsnr_db: Derivative, delta_e_2000: Derivative } | null} derivatives At the first luminance.
+ * @property {Warning[]} warnings
+ */
+
+/**
+ * Curves over `wavelengths_nm`. `quantum_efficiency` is electrons per photon behind the filter, the infrared cut and the lens; `color` is
+ * the filter as the standard observer sees it before the light, sRGB.
+ * @typedef {object} Curves
+ * @property {number[]} wavelengths_nm
+ * @property {{ letter: string, transmittance: number[], quantum_efficiency: number[], color: string }[]} channels
+ * @property {number[]} sensor_quantum_efficiency
+ * @property {number[]} lens_transmittance Of the lens with its infrared cut.
+ * @property {number[]} light Relative, its largest value is 1.
+ * @property {{ x: number[], y: number[], z: number[] }} observer
+ * @property {string[][]} mosaic The letters of the tile, row by row.
+ */
+
+/**
+ * What stays as it is: filters by letter, and cells as [row, column] of the tile. `mosaic: true` keeps all cells.
+ * @typedef {{ filters?: string[], cells?: [number, number][], mosaic?: boolean }} Locks
+ */
+
+/**
+ * A step of an improvement: the design so far, what is expected of it, and the cost, which is negative once it is better than the
+ * first design in every figure everywhere.
+ * @typedef {{ design: Design, step: number, cost: number, expected: Expected[], is_done: boolean }} Step
+ */
+
+const NOTHING_NEWER = null;
+
+/** A worker with the module. Requests are answered in turn. */
+class Bench {
+  /** @type {Worker} */ #worker;
+  /** @type {Map<number, { resolve: (value: any) => void, reject: (reason: Error) => void }>} */ #open = new Map();
+  #next = 0;
+
+  constructor() {
+    this.#worker = new Worker(new URL("engine-worker.js", import.meta.url), { type: "module" });
+    this.#worker.onmessage = ({ data }) => {
+      const waiting = this.#open.get(data.id);
+      this.#open.delete(data.id);
+      if (data.error === undefined) waiting?.resolve(data.result);
+      else waiting?.reject(new Error(data.error));
+    };
+    this.#worker.onerror = (event) => this.#fail(event.message || "this browser does not allow Web Workers");
+  }
+
+  /** @param {string} message */
+  #fail(message) {
+    for (const { reject } of this.#open.values()) reject(new Error(message));
+    this.#open.clear();
+  }
+
+  /**
+   * @param {string} task @param {any} content @param {Transferable[]} [transfer]
+   * @returns {Promise<any>}
+   */
+  ask(task, content, transfer = []) {
+    return new Promise((resolve, reject) => {
+      const id = this.#next++;
+      this.#open.set(id, { resolve, reject });
+      this.#worker.postMessage({ id, task, content }, transfer);
+    });
+  }
+
+  stop() {
+    this.#worker.terminate();
+    this.#fail("stopped");
+  }
+}
+
+/** One request at work and at most one that waits: a newer one takes its place. */
+class Latest {
+  /** @type {{ work: () => Promise<any>, resolve: (value: any) => void, reject: (reason: unknown) => void } | null} */ #waiting = null;
+  #is_busy = false;
+
+  /**
+   * The result of `work`, or null when a newer request came before its turn or while it was at work.
+   * @template T @param {() => Promise<T>} work @returns {Promise<T | null>}
+   */
+  run(work) {
+    return new Promise((resolve, reject) => {
+      this.#waiting?.resolve(NOTHING_NEWER);
+      this.#waiting = { work, resolve, reject };
+      if (!this.#is_busy) this.#go();
+    });
+  }
+
+  async #go() {
+    this.#is_busy = true;
+    while (this.#waiting) {
+      const { work, resolve, reject } = this.#waiting;
+      this.#waiting = null;
+      try {
+        resolve(await work());
+      } catch (error) {
+        reject(error);
+      }
+    }
+    this.#is_busy = false;
+  }
+}
+
+/** Draws, scores and improves designs. */
+export class Engine {
+  /** @type {Bench} */ #pictures;
+  /** @type {Bench} */ #figures;
+  #latest_picture = new Latest();
+  #latest_scores = new Latest();
+  /** @type {Map<string, Uint8ClampedArray>} */ #references = new Map();
+
+  /**
+   * @param {Bench} pictures @param {Bench} figures
+   * @param {{ scenes: Scene[], setups: Setup[], catalogue: any }} about
+   */
+  constructor(pictures, figures, about) {
+    this.#pictures = pictures;
+    this.#figures = figures;
+    /** The scenes, first the one that is ready first. @type {Scene[]} */
+    this.scenes = about.scenes;
+    /** Lenses and pixel geometries that the assets have light for. @type {Setup[]} */
+    this.setups = about.setups;
+    /**
+     * Built-in mosaics with their tiles and default filters, and the built-in filters by name.
+     * @type {{ cfas: { name: string, tile: string[], filters: Record<string, Filter> }[], filters: string[], cameras: Design[] }}
+     */
+    this.catalogue = about.catalogue;
+  }
+
+  /**
+   * Loads the module and what the first picture needs; the other scenes follow in the background. `assets_url` ends with "/" and has
+   * `manifest.json`, the files that it names, and `studio.wasm.deflate`.
+   * @param {string | URL} assets_url @returns {Promise<Engine>}
+   */
+  static async start(assets_url) {
+    if (typeof WebAssembly !== "object") throw new Error("this browser does not allow WebAssembly");
+    const base = String(new URL(assets_url, document.baseURI));
+    const pictures = new Bench();
+    const figures = new Bench();
+    const [about] = await Promise.all([pictures.ask("start", { base }), figures.ask("start", { base })]);
+    return new Engine(pictures, figures, about);
+  }
+
+  /**
+   * What a design makes of a scene at a mean luminance, with the pipeline that is learned for it from statistics of light. Without
+   * `crop`, the whole scene; with it, the same pixels of the same picture. `measure` asks for scores and the map of differences, which take longer than the picture. Resolves to
+   * null when a newer call has taken its place. Rejects with a message that names the key when the design is impossible.
+   * @param {{ design: Design, scene: string, luminance: number, crop?: Crop, measure?: boolean, noise?: boolean, seed?: number }} wanted
+   * @returns {Promise<Picture | null>}
+   */
+  draw({ design, scene, luminance, crop, measure = false, noise = true, seed = 0 }) {
+    return this.#latest_picture.run(async () => {
+      const begun = performance.now();
+      const key = JSON.stringify([scene, crop ?? null]);
+      const has_reference = this.#references.has(key);
+      const request = { design, scene, luminance_cd_m2: luminance, crop, measure, noise, seed, reference: !has_reference };
+      const { said, bytes } = await this.#pictures.ask("draw", request);
+      const pixels = 4 * said.width * said.height;
+      const rgba = new Uint8ClampedArray(bytes, 0, pixels);
+      if (!has_reference) this.#references.set(key, new Uint8ClampedArray(bytes.slice(pixels, 2 * pixels)));
+      const map_at = has_reference ? pixels : 2 * pixels;
+      const difference = measure ? new Float32Array(bytes.slice(map_at, map_at + pixels)) : null;
+      const reference = /** @type {Uint8ClampedArray} */ (this.#references.get(key));
+      said.timings_ms.total = performance.now() - begun;
+      return /** @type {Picture} */ ({ ...said, rgba, reference, difference });
+    });
+  }
+
+  /**
+   * Figures of a design without a picture. Resolves to null when a newer call has taken its place.
+   * @param {Design} design @param {number | number[]} luminance cd/m² @param {{ derivatives?: boolean }} [wanted]
+   * @returns {Promise<Scores | null>}
+   */
+  scores(design, luminance, { derivatives = false } = {}) {
+    const luminances_cd_m2 = [luminance].flat();
+    return this.#latest_scores.run(async () => (await this.#figures.ask("scores", { design, luminances_cd_m2, derivatives })).said);
+  }
+
+  /** @param {Design} design @returns {Promise<Curves>} */
+  async curves(design) {
+    return (await this.#figures.ask("curves", { design })).said;
+  }
+
+  /**
+   * Changes the filters and the cells of a design that are not locked so that it becomes better, starting from it. The filters that are
+   * changed are any smooth curves (`free`), pigments, or dichroic bands. Calls `on_step` after each step; ends when no step makes it better, or with the best so
+   * far when `signal` is aborted.
+   * @param {Design} design @param {Locks} locks @param {number[]} luminances cd/m²
+   * @param {(step: Step) => void} on_step @param {AbortSignal} [signal] @param {"free" | "pigments" | "dichroic"} [family]
+   * @returns {Promise<Step>}
+   */
+  async improve(design, locks, luminances, on_step, signal, family = "free") {
+    const begin = { design, locks, luminances_cd_m2: luminances, family };
+    let { said: step } = await this.#figures.ask("improve", begin);
+    on_step(step);
+    while (!step.is_done && !signal?.aborted) {
+      ({ said: step } = await this.#figures.ask("step", { improvement: step.improvement }));
+      on_step(step);
+    }
+    return step;
+  }
+
+  /** The camera file of a design, for all other commands. @param {Design} design @returns {Promise<string>} */
+  async camera_toml(design) {
+    return (await this.#figures.ask("camera_toml", { design })).said.toml;
+  }
+
+  /** The design of a camera file; rejects with a message that names line and key. @param {string} text @returns {Promise<Design>} */
+  async parse(text) {
+    return (await this.#figures.ask("parse", { text })).said.design;
+  }
+
+  /** Ends the workers. */
+  stop() {
+    this.#pictures.stop();
+    this.#figures.stop();
+  }
+}
