@@ -3,7 +3,7 @@
 
 /**
  * A filter as in a camera file: one key, the name of its shape.
- * @typedef {Record<string, any>} Filter
+ * @typedef {any} Filter
  */
 /**
  * A camera with the keys of a camera file. The page reads those named here and keeps all others.

@@ -18,7 +18,7 @@ function fill(element, attributes, children) {
     else if (value === true) element.setAttribute(name, "");
     else if (value !== undefined && value !== false) element.setAttribute(name, String(value));
   }
-  element.append(...children.filter((c) => c !== undefined && c !== false && c !== ""));
+  for (const child of children) if (child) element.append(child);
 }
 
 /**

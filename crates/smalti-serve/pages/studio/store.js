@@ -10,6 +10,8 @@ export class Store extends EventTarget {
     /** @type {{ camera: Camera, what: string }[]} */
     this.steps = [{ camera, what: "" }];
     this.at = 0;
+    /** Whether the design comes from the history: fields show it even while they have the focus. */
+    this.jumps = false;
     /** The key of a change that goes on, such as a drag. @type {string | undefined} */
     this.ongoing = undefined;
     /** @type {Camera | undefined} */
@@ -46,19 +48,24 @@ export class Store extends EventTarget {
   undo() {
     if (!this.canUndo) return undefined;
     const { what } = this.steps[this.at];
-    this.at -= 1;
-    this.ongoing = undefined;
-    this.settle();
+    this.jump(this.at - 1);
     return what;
   }
 
   /** @returns {string | undefined} What was done again. */
   redo() {
     if (!this.canRedo) return undefined;
-    this.at += 1;
-    this.ongoing = undefined;
-    this.settle();
+    this.jump(this.at + 1);
     return this.steps[this.at].what;
+  }
+
+  /** @param {number} to */
+  jump(to) {
+    this.at = to;
+    this.ongoing = undefined;
+    this.jumps = true;
+    this.settle();
+    this.jumps = false;
   }
 
   /** @param {Camera | undefined} camera */

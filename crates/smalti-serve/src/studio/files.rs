@@ -37,11 +37,27 @@ macro_rules! embedded {
     };
 }
 
-static EMBEDDED: [(&str, &[u8]); 14] = embedded![
+static EMBEDDED: [(&str, &[u8]); 20] = embedded![
+    "design.js",
+    "dom.js",
+    "engine-worker.js",
+    "engine.js",
+    "files.js",
+    "filters.js",
+    "improve.js",
     "index.html",
-    "studio.css",
-    "parts.css",
     "main.js",
+    "mosaic.js",
+    "parts.css",
+    "picture.js",
+    "scores.js",
+    "sensor.js",
+    "shapes.js",
+    "share.js",
+    "store.js",
+    "studio.css",
+    "theme.js",
+    "work.js",
 ];
 
 /// All files of the page, which opens with the camera of a camera file.
