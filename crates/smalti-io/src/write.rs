@@ -185,8 +185,8 @@ pub fn folder<'a>(
     files: impl IntoIterator<Item = (&'a str, &'a [u8])>,
 ) -> Result<(), IoError> {
     let io = IoError::writing(dir);
-    match fs::read_dir(dir) {
-        Ok(mut there) if there.next().is_some() => {
+    match fs::read_dir(dir).map(|mut there| there.next().is_some()) {
+        Ok(true) => {
             let kind = io::ErrorKind::DirectoryNotEmpty;
             return Err(io(io::Error::new(kind, "the folder is not empty; expected a new or an empty one")));
         }

@@ -92,8 +92,9 @@ async function start() {
   const wait = byId("wait", HTMLElement);
   wait.textContent = "Learning the first picture…";
 
-  const showScores = () => scores.show(own, store.pinned && pin);
-  const caption = (/** @type {Picture} */ p) => `${store.camera.name} · ${Number(p.exposure_ms.toPrecision(3))} ms exposure · drawn in ${Math.round(p.timings_ms.total)} ms`;
+  const isPinned = () => store.pinned !== undefined && JSON.stringify(store.pinned) === JSON.stringify(store.camera);
+  const showScores = () => scores.show(own, store.pinned && !isPinned() ? pin : undefined);
+  const caption = (/** @type {Picture} */ p) => `${store.camera.name} · ${Number(p.exposure_ms.toPrecision(3))} ms · drawn in ${Math.round(p.timings_ms.total)} ms`;
   const clear = () => { if (byId("message", HTMLElement).dataset.kind === "trouble") tell(""); };
   const compute = setUpWork(engine, () => ({ camera: store.camera, pinned: store.pinned, scene: scene.value, luminance: luminance() }), picture.needsPin, {
     picture(drawn) {
@@ -166,7 +167,7 @@ async function start() {
   });
 
   byId("share", HTMLButtonElement).addEventListener("click", async () => {
-    const pinned = store.pinned && JSON.stringify(store.pinned) !== JSON.stringify(store.camera) ? store.pinned : undefined;
+    const pinned = isPinned() ? undefined : store.pinned;
     history.replaceState(null, "", await fragmentOf({ camera: store.camera, pinned, scene: scene.value, luminance: luminance() }));
     try {
       await navigator.clipboard.writeText(location.href);
@@ -234,7 +235,7 @@ async function start() {
     if (document.activeElement !== name) name.value = store.camera.name;
     undo.setAttribute("aria-disabled", String(!store.canUndo));
     redo.setAttribute("aria-disabled", String(!store.canRedo));
-    byId("pinned", HTMLElement).textContent = store.pinned ? `against ${store.pinned === store.camera ? "itself, as pinned" : `the pinned ${store.pinned.name}`}` : "";
+    byId("pinned", HTMLElement).textContent = isPinned() ? "Change something to see what it does." : `Against the pinned ${store.pinned?.name}`;
   };
   store.on(["design", "pin"], () => {
     isChanged = true;

@@ -100,6 +100,8 @@ export function setUpPicture(onView) {
     split.style.left = `${100 * line}%`;
     split.setAttribute("aria-valuenow", String(Math.round(100 * line)));
     split.setAttribute("aria-valuetext", `${Math.round(100 * line)} % of the width shows the design`);
+    const button = document.querySelector('[data-view="other"]');
+    if (button) button.textContent = other.value === "pin" ? "Pinned" : "Reference";
     const nameOther = other.value === "pin" ? `Pinned: ${names.pin}` : "Reference";
     caption.textContent = view === "other" ? nameOther : view === "map" ? "ΔE2000 from the reference" : names.own;
     captionOther.textContent = nameOther;
@@ -159,7 +161,7 @@ export function setUpPicture(onView) {
     show();
   }
   stage.addEventListener("pointerdown", (event) => {
-    if (event.button !== 0 || zoom === 0 || event.target === split) return;
+    if (event.button !== 0 || zoom === 0 || event.target !== canvas) return;
     stage.setPointerCapture(event.pointerId);
   });
   stage.addEventListener("pointermove", (event) => {

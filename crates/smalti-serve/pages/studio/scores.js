@@ -67,7 +67,7 @@ export function setUpScores() {
     const key = /** @type {Figure} */ (metric.value || "cpsnr_db");
     const all = [...over.own, ...over.pin].map((e) => e[key]).filter(Number.isFinite);
     if (all.length === 0) return;
-    const margin = { left: 36, right: 12, top: 10, bottom: 24 };
+    const margin = { left: 36, right: 18, top: 10, bottom: 24 };
     const [low, high] = nice(Math.min(...all), Math.max(...all));
     const [first, last] = [over.own[0].luminance_cd_m2, over.own[over.own.length - 1].luminance_cd_m2].map(Math.log10);
     const x = (/** @type {number} */ luminance) => margin.left + (Math.log10(luminance) - first) / (last - first) * (width - margin.left - margin.right);
