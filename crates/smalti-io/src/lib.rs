@@ -19,6 +19,7 @@
 //! | [`dataset`] | folders of Parquet files, and their manifest | [`dataset::Column`] |
 //! | [`cameras`] | TOML | [`smalti::camera::Camera`] |
 //! | [`studies`] | TOML | [`smalti::design::Trials`] |
+//! | [`studio`] | own | [`smalti::design::live::LiveScene`], [`smalti::design::live::LiveTraining`] |
 //! | [`sweeps`] | a study and its folder of results | [`dataset::Plan`], [`dataset::Run`] |
 //! | [`comparisons`] | the folder of a comparison | [`comparisons::ComparisonFiles`] |
 //! | [`ratings`] | the folder of a rating experiment | [`smalti::experiment::RatedScene`], [`smalti::rating::Trial`] |
@@ -69,6 +70,7 @@ pub mod spectral_tiff;
 pub mod spectrum_csv;
 pub mod stages;
 pub mod studies;
+pub mod studio;
 pub mod sweeps;
 pub mod test_scenes;
 pub mod text;

@@ -1,16 +1,15 @@
-//! The functions of the module, for a host that has numbers alone.
+//! The functions of the modules, for a host that has numbers alone.
 
 use std::cell::RefCell;
-
-use smalti::design::TrialProcessing;
-use smalti::sensor::NoiseMode;
-
-use crate::studio::{Studio, StudioError};
+use std::fmt::Display;
 
 /// The input, the output and what is kept between calls.
 #[derive(Default)]
 struct Module {
-    studio: Studio,
+    #[cfg(not(feature = "engine"))]
+    studio: crate::Studio,
+    #[cfg(feature = "engine")]
+    engine: crate::Engine,
     input: Vec<u8>,
     output: Vec<u8>,
 }
@@ -22,7 +21,7 @@ thread_local! {
 const FAILED: i32 = -1;
 
 /// Runs a function on what is kept; of an error the output is its message.
-fn run(work: impl FnOnce(&mut Module) -> Result<i32, StudioError>) -> i32 {
+fn run<E: Display>(work: impl FnOnce(&mut Module) -> Result<i32, E>) -> i32 {
     MODULE.with_borrow_mut(|module| {
         work(module).unwrap_or_else(|error| {
             module.output = error.to_string().into_bytes();
@@ -40,34 +39,6 @@ extern "C" fn reserve(bytes: usize) -> *mut u8 {
     })
 }
 
-/// Adds the study of the input.
-#[unsafe(no_mangle)]
-extern "C" fn study() -> i32 {
-    run(|module| Ok(module.studio.study(&std::mem::take(&mut module.input))? as i32))
-}
-
-/// Makes a condition of a study ready.
-#[unsafe(no_mangle)]
-extern "C" fn setup(study: usize, condition: usize, is_learned: u32, text_bytes: usize) -> i32 {
-    run(|module| {
-        let input = std::mem::take(&mut module.input);
-        let (light, codes) = input.split_at_checked(text_bytes).ok_or(StudioError::Planes)?;
-        let processing = if is_learned == 0 { TrialProcessing::Classic } else { TrialProcessing::L3 };
-        module.studio.setup(study, condition, processing, light, codes)?;
-        Ok(0)
-    })
-}
-
-/// Draws what a design makes of a scene.
-#[unsafe(no_mangle)]
-extern "C" fn draw(number: f64, scene: usize, is_noisy: u32) -> i32 {
-    run(|module| {
-        let noise = if is_noisy == 0 { NoiseMode::None } else { NoiseMode::All };
-        module.output = module.studio.draw(number as u64, scene, noise)?;
-        Ok(0)
-    })
-}
-
 /// Where the output lies.
 #[unsafe(no_mangle)]
 extern "C" fn output() -> *const u8 {
@@ -78,4 +49,70 @@ extern "C" fn output() -> *const u8 {
 #[unsafe(no_mangle)]
 extern "C" fn output_bytes() -> usize {
     MODULE.with_borrow(|module| module.output.len())
+}
+
+#[cfg(not(feature = "engine"))]
+mod of_studies {
+    use smalti::design::TrialProcessing;
+    use smalti::sensor::NoiseMode;
+
+    use super::run;
+    use crate::StudioError;
+
+    /// Adds the study of the input.
+    #[unsafe(no_mangle)]
+    extern "C" fn study() -> i32 {
+        run(|module| Ok::<_, StudioError>(module.studio.study(&std::mem::take(&mut module.input))? as i32))
+    }
+
+    /// Makes a condition of a study ready.
+    #[unsafe(no_mangle)]
+    extern "C" fn setup(study: usize, condition: usize, is_learned: u32, text_bytes: usize) -> i32 {
+        run(|module| {
+            let input = std::mem::take(&mut module.input);
+            let (light, codes) = input.split_at_checked(text_bytes).ok_or(StudioError::Planes)?;
+            let processing = if is_learned == 0 { TrialProcessing::Classic } else { TrialProcessing::L3 };
+            module.studio.setup(study, condition, processing, light, codes)?;
+            Ok::<_, StudioError>(0)
+        })
+    }
+
+    /// Draws what a design makes of a scene.
+    #[unsafe(no_mangle)]
+    extern "C" fn draw(number: f64, scene: usize, is_noisy: u32) -> i32 {
+        run(|module| {
+            let noise = if is_noisy == 0 { NoiseMode::None } else { NoiseMode::All };
+            module.output = module.studio.draw(number as u64, scene, noise)?;
+            Ok::<_, StudioError>(0)
+        })
+    }
+}
+
+#[cfg(feature = "engine")]
+mod of_engine {
+    use super::run;
+    use crate::{EngineError, StudioFile};
+
+    /// Takes a file of the studio.
+    #[unsafe(no_mangle)]
+    extern "C" fn load(kind: u32) -> i32 {
+        run(|module| {
+            let kind = match kind {
+                0 => StudioFile::Training,
+                1 => StudioFile::Scene,
+                _ => StudioFile::Statistics,
+            };
+            module.engine.load(kind, &std::mem::take(&mut module.input))?;
+            Ok::<_, EngineError>(0)
+        })
+    }
+
+    /// Answers the request of the input.
+    #[unsafe(no_mangle)]
+    extern "C" fn ask() -> i32 {
+        run(|module| {
+            module.output = module.engine.ask(&std::mem::take(&mut module.input))?.to_bytes();
+            Ok::<_, EngineError>(0)
+        })
+    }
 }

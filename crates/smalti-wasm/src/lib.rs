@@ -1,10 +1,11 @@
-//! The simulator in a page: WebAssembly that draws what any design of a study makes of a scene.
+//! The simulator in a page, as WebAssembly.
 //!
-//! A page embeds the study and the light of its scenes on the pixels ([`PreviewLight`](smalti::design::PreviewLight)); the module
-//! captures and processes it with the code of `smalti sweep`, and learns the pipelines of designs that have their own. The native
-//! library gives the same bytes for the same input.
+//! Two modules are made of this crate. That of studies ([`Studio`]) draws what any design of a study makes of a scene: a page embeds the study and the
+//! light of its scenes on the pixels ([`PreviewLight`](smalti::design::PreviewLight)); the module
+//! captures and processes it with the code of `smalti sweep`, and learns the pipelines of designs that have their own. That of the studio (the feature
+//! `engine`) draws, scores and improves designs that a page invents. The native library gives the same bytes for the same input.
 //!
-//! The functions of the module take numbers, and bytes through a buffer in its memory:
+//! The functions of the modules take numbers, and bytes through a buffer in their memory:
 //!
 //! | function | input | gives |
 //! |---|---|---|
@@ -12,12 +13,18 @@
 //! | `study()` | a study, resolved, as JSON | its index |
 //! | `setup(study, condition, is_learned, text_bytes)` | the light as JSON, then the numbers of its planes, 32 bits each | 0 |
 //! | `draw(number, scene, is_noisy)` | | 0; the output is RGBA, four bytes a pixel |
+//! | `load(kind)` | a file of the studio, inflated: 0 training, 1 scene, 2 statistics | 0 |
+//! | `ask()` | a request as JSON | 0; the output is an [`Answer`](Engine) as bytes |
 //! | `output()`, `output_bytes()` | | where the output lies |
 //!
-//! Below 0 an error happened, and the output is its message in UTF-8. One setup is kept at a time, and the processing of the last
+//! Below 0 an error happened, and the output is its message in UTF-8. Of studies, one setup is kept at a time, and the processing of the last
 //! design.
 
+#[cfg(feature = "engine")]
+mod engine;
 mod exports;
 mod studio;
 
+#[cfg(feature = "engine")]
+pub use engine::{Answer, Engine, EngineError, StudioFile};
 pub use studio::{Studio, StudioError};

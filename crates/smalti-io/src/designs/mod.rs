@@ -268,6 +268,14 @@ pub fn own_camera_toml(camera: &CameraDescription) -> Result<String, Box<Diagnos
     toml::to_string(camera).map_err(|e| Box::new(Diagnostic::new(&camera.name, e.to_string())))
 }
 
+/// A value as TOML.
+///
+/// # Errors
+/// When it cannot be written as TOML.
+pub fn toml_text(value: &impl serde::Serialize) -> Result<String, Box<Diagnostic>> {
+    toml::to_string(value).map_err(|e| Box::new(Diagnostic::new("value", e.to_string())))
+}
+
 /// Checks what can be checked before any scene is imaged, so that errors have their lines.
 fn check(task: &DesignTask, source: &TomlSource) -> Result<(), Box<Diagnostic>> {
     let shown = |table: &str, e: DesignError| match &e {

@@ -43,13 +43,15 @@ function ask(task, content) {
   return answer();
 }
 
-/** Hands a file of the assets to the module, once. @param {string} name */
-function load(name) {
+const [TRAINING, SCENE, STATISTICS] = [0, 1, 2];
+
+/** Hands a file of the assets to the module, once. @param {string} name @param {number} kind */
+function load(name, kind) {
   let loading = loaded.get(name);
   if (!loading) {
     loading = inflated(name).then((bytes) => {
       put(new Uint8Array(bytes));
-      checked(wasm.load());
+      checked(wasm.load(kind));
     });
     loading.catch(() => loaded.delete(name));
     loaded.set(name, loading);
@@ -83,7 +85,7 @@ const tasks = {
     return { ...manifest, catalogue: ask("catalogue", {}).said };
   },
   draw: async (content) => {
-    await Promise.all([load(manifest.training), load(scene_file(content.scene))]);
+    await Promise.all([load(manifest.training, TRAINING), load(scene_file(content.scene), SCENE)]);
     const times = [performance.now()];
     const timed = (/** @type {string} */ part) => {
       const result = ask(part, content);
@@ -98,12 +100,12 @@ const tasks = {
     return { said: { ...learned, ...said, scores: measured?.said ?? null, timings_ms: { learn, draw, score: score ?? 0 } }, bytes: all };
   },
   scores: async (content) => {
-    await load(manifest.statistics);
+    await load(manifest.statistics, STATISTICS);
     return ask("scores", content);
   },
   curves: async (content) => ask("curves", content),
   improve: async (content) => {
-    await load(manifest.statistics);
+    await load(manifest.statistics, STATISTICS);
     return ask("improve", content);
   },
   step: async (content) => ask("step", content),

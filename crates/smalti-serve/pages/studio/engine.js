@@ -79,7 +79,8 @@
  * Scores of a design without a picture. `array` has the figures of the array alone, as `smalti evaluate` prints them.
  * @typedef {object} Scores
  * @property {Expected[]} expected One for each luminance.
- * @property {{ vora: number, smi: number | null, photon_efficiency: number, condition_number: number | null, luminance_noise_gain: number }} array
+ * @property {{ vora_value: number, sensitivity_metamerism_index: number, metamer_mismatch_percent: number, photon_efficiency: number,
+ *   condition_number: number | null, luminance_noise_gain: number }} array
  * @property {number[]} wavelengths_nm
  * @property {{ cpsnr_db: Derivative, delta_e_2000: Derivative } | null} derivatives At the first luminance.
  * @property {Warning[]} warnings
@@ -105,8 +106,8 @@
 
 /**
  * A step of an improvement: the design so far, what is expected of it, and the cost, which is negative once it is better than the
- * first design in every figure everywhere.
- * @typedef {{ design: Design, step: number, cost: number, expected: Expected[], is_done: boolean }} Step
+ * first design in every figure everywhere. `own_cost` is that of the first design. The first step may cost more than it, where the filters are none of the family.
+ * @typedef {{ design: Design, step: number, cost: number, own_cost: number, expected: Expected[], is_done: boolean }} Step
  */
 
 const NOTHING_NEWER = null;
@@ -277,7 +278,7 @@ export class Engine {
     let { said: step } = await this.#figures.ask("improve", begin);
     on_step(step);
     while (!step.is_done && !signal?.aborted) {
-      ({ said: step } = await this.#figures.ask("step", { improvement: step.improvement }));
+      ({ said: step } = await this.#figures.ask("step", {}));
       on_step(step);
     }
     return step;

@@ -23,7 +23,7 @@ mod photograph;
 mod ranges;
 mod reference;
 mod resolve;
-mod score;
+pub(crate) mod score;
 pub(crate) mod stable_text;
 pub(crate) mod target;
 mod test_scene;

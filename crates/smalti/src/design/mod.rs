@@ -14,6 +14,7 @@ mod imaged_scene;
 mod learning_settings;
 pub mod light;
 mod light_trainer;
+pub mod live;
 mod mosaics;
 mod patch_light;
 mod patch_products;

@@ -128,6 +128,22 @@ impl PixelLight {
         PixelSpectra::of_components(sensor, &self.planes, &spectra)
     }
 
+    /// The part of the light in a window of a sensor, multiplied by `factor`, behind a lens with a transmittance. The components must be those
+    /// of bare pixels behind a clear lens: photons.
+    ///
+    /// # Errors
+    /// As [`PixelSpectra::of_components`].
+    pub(super) fn behind(
+        &self,
+        sensor: &Sensor,
+        lens: &Spectrum,
+        factor: f64,
+    ) -> Result<PixelSpectra, SensorError> {
+        let passed = |s: &Spectrum| s.times(lens).and_then(|s| s.scaled(factor));
+        let spectra = self.spectra.iter().map(passed).collect::<Result<Vec<_>, _>>()?;
+        PixelSpectra::of_components(sensor, &self.planes, &spectra)
+    }
+
     /// The components in integer steps; [`PixelLight::brightest`] is `steps` steps.
     #[must_use]
     pub fn quantized(&self, steps: f64) -> QuantizedLight {

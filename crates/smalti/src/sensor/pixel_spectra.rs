@@ -88,11 +88,11 @@ impl PixelSpectra {
     }
 
     /// The sum of planes times their spectra, plane₀ · spectrum₀ + plane₁ · spectrum₁ + …, photons s⁻¹ nm⁻¹, clipped at 0. The
-    /// planes have the size of the sensor, in photodiodes. The pixels around it receive the light of its outermost pixels.
+    /// planes have the size of the sensor, in photodiodes; only the light in its window is summed. The pixels around the sensor receive the
+    /// light of its outermost pixels.
     ///
     /// # Errors
-    /// When the sensor is invalid or has a window, the sizes of planes and spectra do not match it or each other,
-    /// pixels times wavelengths exceed [`MAX_SAMPLES`], or the light on a pixel is NaN or infinite.
+    /// When the sensor is invalid, the sizes of planes and spectra do not match it or each other, pixels times wavelengths exceed [`MAX_SAMPLES`], or the light on a pixel is NaN or infinite.
     pub fn of_components(
         sensor: &Sensor,
         planes: &Planes,
@@ -104,20 +104,23 @@ impl PixelSpectra {
         let (window, gathered) =
             (sensor.read_window(), Rect { row: 0, col: 0, rows: planes.rows(), cols: planes.cols() });
         let grid = spectra.first().map(Spectrum::grid).ok_or(SensorError::NoLight)?;
-        let like =
-            window == gathered && planes.count() == spectra.len() && spectra.iter().all(|s| s.grid() == grid);
+        let like = planes.count() == spectra.len() && spectra.iter().all(|s| s.grid() == grid);
         if !like || [rows, cols] != [planes.rows(), planes.cols()] {
             return Err(SensorError::OtherPixels { window, gathered });
         }
         let mut light = Self::dark(sensor, grid)?;
         let (border, stride) = (light.border, light.stride);
         light.rows_mut().try_for_each(|(r, out)| {
-            let row = r.saturating_sub(border).min(rows - 1);
+            let row = (window.row + r).saturating_sub(border).min(rows - 1);
+            // The columns of the sensor that are summed, and where the first of them lies in the row.
+            let first = window.col.saturating_sub(border);
+            let end = (window.col + window.cols + border).min(cols);
+            let place = first + border - window.col;
             for (i, out) in out.chunks_exact_mut(stride).enumerate() {
-                let inner = &mut out[border..border + cols];
+                let inner = &mut out[place..place + end - first];
                 for (plane, spectrum) in planes.planes().zip(spectra) {
                     let weight = spectrum.values()[i] as f32;
-                    let line = &plane[row * cols..(row + 1) * cols];
+                    let line = &plane[row * cols + first..row * cols + end];
                     inner.iter_mut().zip(line).for_each(|(o, l)| *o += weight * l);
                 }
                 if let Some(&bad) = inner.iter().find(|o| !o.is_finite()) {
@@ -129,8 +132,12 @@ impl PixelSpectra {
                     });
                 }
                 inner.iter_mut().for_each(|o| *o = o.max(0.0));
-                if border > 0 {
-                    (out[0], out[cols + 1]) = (out[1], out[cols]);
+                if place > 0 {
+                    out[0] = out[1];
+                }
+                let width = window.cols + 2 * border;
+                if place + end - first < width {
+                    out[width - 1] = out[width - 2];
                 }
             }
             Ok(())

@@ -6,6 +6,7 @@
 
 mod exchange;
 mod goal;
+mod improve;
 mod layouts;
 mod lbfgs;
 mod settings;
@@ -17,6 +18,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use rayon::prelude::*;
 
 pub use goal::{Front, FrontAim, Goal, Objective, Over};
+pub use improve::{Improvement, Locks};
 pub use layouts::{Annealing, FoundLayout, LayoutRules, LayoutSearch, TileRules};
 pub use settings::SearchSettings;
 pub use space::{Dichroic, FilterSpace, FreeCurves, Measured, Mixtures, Pigments, SampledSpace};

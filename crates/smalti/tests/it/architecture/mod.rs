@@ -16,9 +16,10 @@ use graph::{Target, circles, describe};
 use sources::{Modules, module_path};
 
 /// The crates in layers. A crate may depend on crates of earlier layers only.
-const LAYERS: [&[&str]; 4] = [
+const LAYERS: [&[&str]; 5] = [
     &["smalti"],
-    &["smalti-io", "smalti-report", "smalti-wasm"],
+    &["smalti-io", "smalti-report"],
+    &["smalti-wasm"],
     &["smalti-serve"],
     &["smalti-cli", "smalti-py"],
 ];

@@ -1,0 +1,225 @@
+//! The engine of the studio: designs as JSON go in, pictures, figures and curves come out.
+
+mod error;
+mod figures;
+mod improving;
+mod request;
+mod text;
+mod warnings;
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use serde::Serialize;
+use serde_json::{Value, json};
+use smalti::camera::{Camera, CameraDescription, ColorimetricObserver};
+use smalti::design::light::LightStatistics;
+use smalti::design::live::{LiveDesign, LiveLearner, LivePicture, LivePictures, LiveScene};
+use smalti::sensor::NoiseMode;
+use smalti::spectrum::Illuminant;
+use smalti_io::{light, studio};
+
+pub use error::EngineError;
+use improving::Improving;
+use request::{DrawRequest, Request};
+
+/// Bytes of the longest request.
+const MAX_REQUEST: usize = 4 << 20;
+
+/// The files of the studio.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum StudioFile {
+    /// The light that pipelines are learned from.
+    Training,
+    /// The light of a scene.
+    Scene,
+    /// Statistics of light.
+    Statistics,
+}
+
+/// An answer: JSON, and the bytes of pictures behind it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Answer {
+    /// The JSON.
+    pub said: Value,
+    /// Pictures, four bytes a pixel each, and maps, a number of 32 bits a pixel, little-endian.
+    pub bytes: Vec<u8>,
+}
+
+impl Answer {
+    fn of(said: &impl Serialize) -> Result<Self, EngineError> {
+        Ok(Self { said: serde_json::to_value(said)?, bytes: Vec::new() })
+    }
+
+    /// The length of the JSON as 32 bits, little-endian; the JSON; the bytes.
+    #[must_use]
+    pub fn to_bytes(&self) -> Vec<u8> {
+        let text = self.said.to_string().into_bytes();
+        [&(text.len() as u32).to_le_bytes(), text.as_slice(), &self.bytes].concat()
+    }
+}
+
+/// What was learned last, for requests about the same design.
+struct Learned {
+    key: String,
+    design: LiveDesign,
+}
+
+/// What was drawn last.
+struct Drawn {
+    key: String,
+    picture: LivePicture,
+}
+
+/// Draws, scores and improves designs.
+#[derive(Default)]
+pub struct Engine {
+    learner: Option<LiveLearner>,
+    /// Scenes whose light is not prepared yet.
+    waiting: BTreeMap<String, LiveScene>,
+    scenes: BTreeMap<String, LivePictures>,
+    statistics: Option<LightStatistics>,
+    observer: Option<ColorimetricObserver>,
+    learned: Option<Learned>,
+    drawn: Option<Drawn>,
+    improving: Option<Improving>,
+}
+
+impl Engine {
+    /// Takes a file of the studio, inflated.
+    ///
+    /// # Errors
+    /// When it is damaged or of another kind.
+    pub fn load(&mut self, kind: StudioFile, bytes: &[u8]) -> Result<(), EngineError> {
+        match kind {
+            StudioFile::Training => {
+                let training = studio::training_from_bytes(bytes, Path::new("training"))?;
+                self.learner = Some(LiveLearner::new(training)?);
+            }
+            StudioFile::Scene => {
+                let scene = studio::scene_from_bytes(bytes, Path::new("scene"))?;
+                self.scenes.remove(&scene.name);
+                self.waiting.insert(scene.name.clone(), scene);
+            }
+            StudioFile::Statistics => {
+                self.statistics = Some(light::from_bytes(bytes, Path::new("statistics"))?);
+            }
+        }
+        Ok(())
+    }
+
+    /// Answers a request, a JSON object with the request's name as its only key.
+    ///
+    /// # Errors
+    /// When the request cannot be read, the design is impossible, or a file is missing.
+    pub fn ask(&mut self, request: &[u8]) -> Result<Answer, EngineError> {
+        if request.len() > MAX_REQUEST {
+            return Err(EngineError::TooLong { bytes: request.len(), limit: MAX_REQUEST });
+        }
+        match serde_json::from_slice(request)? {
+            Request::Catalogue {} => Answer::of(&text::catalogue()?),
+            Request::Learn(request) => self.learn(&request),
+            Request::Draw(request) => self.draw(&request),
+            Request::Measure(request) => self.measure(&request),
+            Request::Scores(request) => {
+                let camera = camera(request.design)?;
+                let observer = self.observer(&camera)?;
+                let statistics = self.statistics.as_ref().ok_or(EngineError::Missing("the statistics of light"))?;
+                let wanted = figures::Wanted { luminances_cd_m2: &request.luminances_cd_m2, derivatives: request.derivatives };
+                Answer::of(&figures::scores(&camera, statistics, &observer, wanted)?)
+            }
+            Request::Curves { design } => Answer::of(&figures::curves(&camera(design)?, &Illuminant::D65)?),
+            Request::Improve(request) => {
+                let statistics = self.statistics.as_ref().ok_or(EngineError::Missing("the statistics of light"))?;
+                let design = text::description(request.design.clone())?;
+                let improving = Improving::new(design, statistics, &request)?;
+                let step = improving.said()?;
+                self.improving = Some(improving);
+                Answer::of(&step)
+            }
+            Request::Step {} => {
+                let improving = self.improving.as_mut().ok_or(EngineError::Missing("an improvement"))?;
+                improving.step();
+                Answer::of(&improving.said()?)
+            }
+            Request::CameraToml { design } => Answer::of(&json!({"toml": text::toml(design)?})),
+            Request::Parse { text } => Answer::of(&json!({"design": text::parse(&text)?})),
+        }
+    }
+
+    fn learner(&mut self) -> Result<&mut LiveLearner, EngineError> {
+        self.learner.as_mut().ok_or(EngineError::Missing("the light of the training scene"))
+    }
+
+    fn observer(&mut self, camera: &Camera) -> Result<ColorimetricObserver, EngineError> {
+        if let Some(known) = self.observer.as_ref().filter(|o| o.light().grid() == camera.grid()) {
+            return Ok(known.clone());
+        }
+        let light = Illuminant::D65.photons(camera.grid()).map_err(smalti::camera::CameraError::from)?;
+        let made = ColorimetricObserver::new(&light)?;
+        self.observer = Some(made.clone());
+        Ok(made)
+    }
+
+    /// Learns the pipeline of a design, unless it was learned last.
+    fn learn(&mut self, request: &DrawRequest) -> Result<Answer, EngineError> {
+        let key = request.design_key();
+        if self.learned.as_ref().is_none_or(|known| known.key != key) {
+            let description = text::description(request.design.clone())?;
+            let design = self.learner()?.learn(&description, request.luminance_cd_m2, request.seed)?;
+            self.learned = Some(Learned { key, design });
+        }
+        let learned = self.learned.as_ref().ok_or(EngineError::Missing("a pipeline"))?;
+        Answer::of(&json!({"warnings": warnings::of_camera(learned.design.camera())?}))
+    }
+
+    /// The picture; with it the reference if it is asked for.
+    fn draw(&mut self, request: &DrawRequest) -> Result<Answer, EngineError> {
+        self.learn(request)?;
+        let learned = self.learned.as_ref().ok_or(EngineError::Missing("a pipeline"))?;
+        let learner = self.learner.as_ref().ok_or(EngineError::Missing("the light of the training scene"))?;
+        if let Some(waiting) = self.waiting.remove(&request.scene) {
+            let setup = learner.setup();
+            let pictures = LivePictures::new(waiting, &setup.illuminant, &setup.camera()?)?;
+            self.scenes.insert(request.scene.clone(), pictures);
+        }
+        let scene = self.scenes.get_mut(&request.scene).ok_or_else(|| EngineError::NoScene(request.scene.clone()))?;
+        let noise = if request.noise { NoiseMode::All } else { NoiseMode::None };
+        let picture = scene.picture(&learned.design, request.crop, noise, request.seed)?;
+        let mut bytes = scene.rgba8(&picture.picture)?;
+        if request.reference {
+            bytes.append(&mut scene.rgba8(&scene.reference(request.crop)?)?);
+        }
+        let mut found = warnings::of_camera(learned.design.camera())?;
+        found.extend(warnings::of_capture(picture.saturated_percent));
+        let said = json!({
+            "width": picture.crop.cols,
+            "height": picture.crop.rows,
+            "crop": picture.crop,
+            "exposure_ms": picture.time_s * 1e3,
+            "saturated_percent": picture.saturated_percent,
+            "warnings": found,
+        });
+        self.drawn = Some(Drawn { key: request.picture_key(), picture });
+        Ok(Answer { said, bytes })
+    }
+
+    /// The scores of a picture, and CIEDE2000 at every pixel.
+    fn measure(&mut self, request: &DrawRequest) -> Result<Answer, EngineError> {
+        if self.drawn.as_ref().is_none_or(|known| known.key != request.picture_key()) {
+            self.draw(request)?;
+        }
+        let drawn = self.drawn.as_ref().ok_or(EngineError::Missing("a picture"))?;
+        let scene = self.scenes.get_mut(&request.scene).ok_or_else(|| EngineError::NoScene(request.scene.clone()))?;
+        let scores = scene.scores(&drawn.picture)?;
+        let bytes = scores.delta_e_2000_map.data().iter().flat_map(|v| v.to_le_bytes()).collect();
+        Ok(Answer { said: serde_json::to_value(&scores)?, bytes })
+    }
+}
+
+/// The camera of a design.
+fn camera(design: Value) -> Result<Camera, EngineError> {
+    let description: CameraDescription = text::description(design)?;
+    let grid = description.grid()?;
+    Ok(Camera::new(description, grid)?)
+}

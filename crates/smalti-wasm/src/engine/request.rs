@@ -1,0 +1,120 @@
+//! The requests of a page.
+
+use serde::Deserialize;
+use serde_json::Value;
+use smalti::design::live::LiveCrop;
+
+/// A request: an object with one key.
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub(super) enum Request {
+    /// What is built in.
+    Catalogue {},
+    /// The pipeline of a design.
+    Learn(DrawRequest),
+    /// A picture.
+    Draw(DrawRequest),
+    /// Scores of a picture.
+    Measure(DrawRequest),
+    /// Figures without a picture.
+    Scores(ScoresRequest),
+    /// Curves over wavelength.
+    Curves {
+        /// The camera.
+        design: Value,
+    },
+    /// Begins to improve a design.
+    Improve(ImproveRequest),
+    /// The next step of the improvement.
+    Step {},
+    /// The camera file of a design.
+    CameraToml {
+        /// The camera.
+        design: Value,
+    },
+    /// The design of a camera file.
+    Parse {
+        /// The file.
+        text: String,
+    },
+}
+
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct DrawRequest {
+    pub(super) design: Value,
+    pub(super) scene: String,
+    pub(super) luminance_cd_m2: f64,
+    #[serde(default)]
+    pub(super) crop: Option<LiveCrop>,
+    #[serde(default)]
+    #[allow(dead_code, reason = "the worker asks for scores when it is set")]
+    measure: bool,
+    #[serde(default = "yes")]
+    pub(super) noise: bool,
+    #[serde(default)]
+    pub(super) seed: u64,
+    #[serde(default)]
+    pub(super) reference: bool,
+}
+
+fn yes() -> bool {
+    true
+}
+
+impl DrawRequest {
+    /// What a pipeline depends on.
+    pub(super) fn design_key(&self) -> String {
+        format!("{} {} {}", self.luminance_cd_m2.to_bits(), self.seed, self.design)
+    }
+
+    /// What a picture depends on.
+    pub(super) fn picture_key(&self) -> String {
+        format!("{} {:?} {} {}", self.scene, self.crop, self.noise, self.design_key())
+    }
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ScoresRequest {
+    pub(super) design: Value,
+    pub(super) luminances_cd_m2: Vec<f64>,
+    #[serde(default)]
+    pub(super) derivatives: bool,
+}
+
+/// The family of the filters that are changed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum Family {
+    /// Any smooth curve.
+    #[default]
+    Free,
+    /// Layers of pigments.
+    Pigments,
+    /// Bands between two edges.
+    Dichroic,
+}
+
+/// What stays as it is.
+#[derive(Debug, Clone, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub(super) struct LocksRequest {
+    /// Letters of filters.
+    pub(super) filters: Vec<String>,
+    /// Row and column of cells.
+    pub(super) cells: Vec<[usize; 2]>,
+    /// Whether all cells are kept.
+    pub(super) mosaic: bool,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ImproveRequest {
+    pub(super) design: Value,
+    #[serde(default)]
+    pub(super) locks: LocksRequest,
+    pub(super) luminances_cd_m2: Vec<f64>,
+    #[serde(default)]
+    pub(super) family: Family,
+}

@@ -1,0 +1,83 @@
+//! What a designer should know of a design.
+
+use serde::Serialize;
+use smalti::camera::{Camera, CameraError};
+use smalti::isp::WhiteBalance;
+use smalti::spectrum::Illuminant;
+
+/// The share of its largest value from which a channel counts as sensitive at the end of the wavelengths.
+const SENSITIVE: f64 = 0.1;
+/// Share of the response to white of the brightest channel below which a channel is dark.
+const DARK: f64 = 0.02;
+/// Noise of Y after the colour matrix, relative to that of the channels, from which on colours cost much noise.
+const NOISY: f64 = 4.0;
+/// Share of the samples that may saturate, percent.
+const SATURATED_PERCENT: f64 = 1.0;
+
+/// A warning about a key of a design.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub(super) struct Warning {
+    key: String,
+    message: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    filter: Option<String>,
+}
+
+/// Warnings about a camera.
+pub(super) fn of_camera(camera: &Camera) -> Result<Vec<Warning>, CameraError> {
+    let grid = camera.grid();
+    let lens = camera.optics.transmittance_on(grid)?;
+    let light = Illuminant::D65.photons(grid)?;
+    let mut found = Vec::new();
+    let mut whites = Vec::new();
+    let channels = camera.sensor.cfa.channels();
+    for (channel, response) in channels.iter().zip(camera.sensor.spectral_responsivity_on(grid)?) {
+        let behind = response.times(&lens)?;
+        let last = behind.values().last().copied().unwrap_or(0.0);
+        if last > SENSITIVE * behind.max() {
+            let nm = grid.end_nm();
+            found.push(Warning {
+                key: "optics.ir_cut".into(),
+                message: format!(
+                    "the channel {} still responds at {nm} nm with {:.0} % of its maximum; light beyond, which is not simulated, would reach it",
+                    channel.name,
+                    100.0 * last / behind.max()
+                ),
+                filter: Some(channel.name.clone()),
+            });
+        }
+        whites.push(behind.times(&light)?.integral());
+    }
+    let brightest = whites.iter().copied().fold(0.0, f64::max);
+    for (channel, white) in channels.iter().zip(&whites) {
+        if *white < DARK * brightest {
+            found.push(Warning {
+                key: format!("sensor.cfa.filters.{}", channel.name),
+                message: format!(
+                    "the channel {} has {:.1} % of the response of the brightest channel to white",
+                    channel.name,
+                    100.0 * white / brightest
+                ),
+                filter: Some(channel.name.clone()),
+            });
+        }
+    }
+    let noise_gain = camera.isp(&light, WhiteBalance::None)?.color_matrix.luminance_noise_gain();
+    if noise_gain > NOISY {
+        found.push(Warning {
+            key: "sensor.cfa.filters".into(),
+            message: format!("the filters are ill-conditioned: the colour matrix multiplies the noise of Y by {noise_gain:.1}"),
+            filter: None,
+        });
+    }
+    Ok(found)
+}
+
+/// Warnings about a capture.
+pub(super) fn of_capture(saturated_percent: f64) -> Option<Warning> {
+    (saturated_percent > SATURATED_PERCENT).then(|| Warning {
+        key: "exposure.time_ms".into(),
+        message: format!("{saturated_percent:.1} % of the samples saturate"),
+        filter: None,
+    })
+}

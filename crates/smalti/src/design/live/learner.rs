@@ -1,0 +1,187 @@
+//! Pipelines of designs, learned from statistics of the light of one training scene.
+
+use std::collections::VecDeque;
+use std::sync::Arc;
+
+use super::setup::{LiveSetup, LiveTraining};
+use crate::camera::description::{AutoExposureName, CameraDescription, CfaDescription, IspDescription};
+use crate::camera::stable_text::stable_text;
+use crate::camera::{Camera, CameraError};
+use crate::design::imaged_scene::ImagedScene;
+use crate::design::pipeline_trainer::PipelineTrainer;
+use crate::design::pixel_light::PixelLight;
+use crate::design::training_data::TrainingLight;
+use crate::l3::Pipeline;
+use crate::numeric::Planes;
+use crate::sensor::{PixelSpectra, SensorError};
+use crate::spectrum::Spectrum;
+
+/// Conditions whose training data are kept, about 10 MB each.
+const KEPT: usize = 4;
+
+/// A design under a light, with the pipeline that was learned for it.
+#[derive(Debug, Clone)]
+pub struct LiveDesign {
+    pub(super) camera: Camera,
+    /// Transmittance of the lens.
+    pub(super) lens: Spectrum,
+    pub(super) pipeline: Pipeline,
+    pub(super) luminance_cd_m2: f64,
+}
+
+impl LiveDesign {
+    /// The camera.
+    #[must_use]
+    pub fn camera(&self) -> &Camera {
+        &self.camera
+    }
+
+    /// The pipeline.
+    #[must_use]
+    pub fn pipeline(&self) -> &Pipeline {
+        &self.pipeline
+    }
+
+    /// The mean luminance of the scenes, cd/m².
+    #[must_use]
+    pub fn luminance_cd_m2(&self) -> f64 {
+        self.luminance_cd_m2
+    }
+}
+
+/// Learns the pipelines of designs. It keeps the training data of the latest conditions: of designs that differ in filters and mosaic alone
+/// they are the same.
+#[derive(Debug)]
+pub struct LiveLearner {
+    setup: LiveSetup,
+    light: PixelLight,
+    chart: PixelLight,
+    chart_metered: Option<Vec<f64>>,
+    seen: Planes,
+    white_y: f64,
+    white: Spectrum,
+    kept: VecDeque<(String, Arc<PipelineTrainer>)>,
+}
+
+impl LiveLearner {
+    /// A learner with the light of a training scene.
+    ///
+    /// # Errors
+    /// When the parts of the light do not fit each other.
+    pub fn new(training: LiveTraining) -> Result<Self, CameraError> {
+        let LiveTraining { setup, training } = training;
+        setup.learning.validate()?;
+        let grid = setup.bare.grid()?;
+        Ok(Self {
+            light: training.light.light(grid)?,
+            chart: training.chart.light.light(grid)?,
+            chart_metered: training.chart.metered,
+            seen: training.seen.planes().map_err(SensorError::from)?,
+            white_y: training.white_y,
+            white: Spectrum::new(grid, training.white)?,
+            kept: VecDeque::new(),
+            setup,
+        })
+    }
+
+    /// The setup of the light.
+    #[must_use]
+    pub fn setup(&self) -> &LiveSetup {
+        &self.setup
+    }
+
+    /// The camera of a description, if it fits the setup.
+    ///
+    /// # Errors
+    /// [`CameraError::Key`] with the first key that is invalid or differs from the setup.
+    pub fn camera(&self, description: &CameraDescription) -> Result<Camera, CameraError> {
+        self.setup.ensure_fits(description)?;
+        let camera = Camera::new(description.clone(), self.setup.bare.grid()?)?;
+        camera.ensure_one_gain()?;
+        Ok(camera)
+    }
+
+    /// Learns the pipeline of a design for scenes of a mean luminance. `seed` is that of the noise in which patches are classified.
+    ///
+    /// # Errors
+    /// When the design is invalid or does not fit the setup, its filters pass no light, or it cannot be learned from statistics of light.
+    pub fn learn(
+        &mut self,
+        description: &CameraDescription,
+        luminance_cd_m2: f64,
+        seed: u64,
+    ) -> Result<LiveDesign, CameraError> {
+        if !(luminance_cd_m2 > 0.0 && luminance_cd_m2.is_finite()) {
+            let message = format!("{luminance_cd_m2}; expected a number above 0");
+            return Err(CameraError::Key { key: "luminance_cd_m2".into(), message });
+        }
+        let camera = self.camera(description)?;
+        let lens = camera.optics.transmittance_on(camera.grid())?;
+        let trainer = self.trainer(&camera, &lens, luminance_cd_m2, seed)?;
+        let (pipeline, _) = trainer.pipeline(&camera.sensor.cfa)?;
+        Ok(LiveDesign { camera, lens, pipeline, luminance_cd_m2 })
+    }
+
+    fn trainer(
+        &mut self,
+        camera: &Camera,
+        lens: &Spectrum,
+        luminance_cd_m2: f64,
+        seed: u64,
+    ) -> Result<Arc<PipelineTrainer>, CameraError> {
+        let mut shared = camera.description().clone();
+        shared.name = String::new();
+        shared.sensor.cfa = CfaDescription::default();
+        shared.isp = IspDescription::default();
+        let key = stable_text(&(&shared, luminance_cd_m2.to_bits(), seed))?;
+        if let Some(at) = self.kept.iter().position(|(k, _)| *k == key)
+            && let Some(found) = self.kept.remove(at)
+        {
+            self.kept.push_back(found.clone());
+            return Ok(found.1);
+        }
+        let of = |light: &PixelLight| -> Result<(Camera, PixelSpectra), CameraError> {
+            let camera = camera.with_size(light.planes().rows(), light.planes().cols());
+            let pixels = light.behind(&camera.sensor, lens, luminance_cd_m2)?;
+            Ok((camera, pixels))
+        };
+        let (chart_camera, chart_pixels) = of(&self.chart)?;
+        let metered = metered(&chart_camera, self.chart_metered.as_deref(), lens, luminance_cd_m2)?;
+        let chart = ImagedScene::from_pixels(chart_camera, chart_pixels, metered);
+        let (camera, pixels) = of(&self.light)?;
+        let mut seen = self.seen.clone();
+        seen.data_mut().iter_mut().for_each(|v| *v *= luminance_cd_m2 as f32);
+        let light = TrainingLight {
+            pixels,
+            seen,
+            white_y: self.white_y * luminance_cd_m2,
+            light: self.white.scaled(luminance_cd_m2)?,
+        };
+        let trainer =
+            PipelineTrainer::from_light(camera, &self.setup.learning, Arc::new(chart), light, seed)?;
+        let trainer = Arc::new(trainer);
+        if self.kept.len() >= KEPT {
+            self.kept.pop_front();
+        }
+        self.kept.push_back((key, trainer.clone()));
+        Ok(trainer)
+    }
+}
+
+/// The irradiance at the point that a camera meters, behind its lens; `None` if it meters no point. `bare` is that behind a clear lens.
+pub(super) fn metered(
+    camera: &Camera,
+    bare: Option<&[f64]>,
+    lens: &Spectrum,
+    luminance_cd_m2: f64,
+) -> Result<Option<Spectrum>, CameraError> {
+    let is_point = camera.stated_time_s().is_none()
+        && camera.description().exposure.auto != Some(AutoExposureName::Mean);
+    match bare.filter(|_| is_point) {
+        None => Ok(None),
+        Some(bare) => {
+            let values = bare.iter().zip(lens.values()).map(|(v, t)| v * t * luminance_cd_m2).collect();
+            Ok(Some(Spectrum::new(camera.grid(), values)?))
+        }
+    }
+}

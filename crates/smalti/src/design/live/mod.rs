@@ -1,0 +1,13 @@
+//! Pictures of designs as fast as they are changed, each with the pipeline that is learned for it.
+//!
+//! The light of the scenes and of the training scene is gathered once, on *bare* pixels: behind a clear lens, without filters, in photons
+//! ([`LiveSetup::bare`]). Lens and pixel geometry are those of a [`LiveSetup`]; the transmittance of the lens, quantum
+//! efficiency, filters, mosaic, noise, well and exposure are those of each design.
+
+mod learner;
+mod pictures;
+mod setup;
+
+pub use learner::{LiveDesign, LiveLearner};
+pub use pictures::{LiveCrop, LivePicture, LivePictures};
+pub use setup::{LiveScene, LiveSetup, LiveTraining};

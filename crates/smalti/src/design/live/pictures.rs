@@ -1,0 +1,261 @@
+//! Captures of scenes by designs, rendered with their pipelines, and their references.
+
+use std::collections::VecDeque;
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use super::learner::{LiveDesign, metered};
+use super::setup::LiveScene;
+use crate::camera::chart::LUMINANCE;
+use crate::camera::score::ReferenceToScore;
+use crate::camera::{Camera, CameraError, PictureScores, ScoreSettings};
+use crate::color::{ColorSpace, Image};
+use crate::design::pixel_light::PixelLight;
+use crate::isp::Isp;
+use crate::numeric::Planes;
+use crate::sensor::{NoiseMode, PixelSpectra, SensorError, Window};
+use crate::spectrum::{Illuminant, Observer, Spectrum};
+
+/// Parts of the scene whose light is kept, and references: about 10 MB for 256 × 256 pixels.
+const KEPT: usize = 3;
+
+/// A part of a scene, in pixels.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LiveCrop {
+    /// Its first row.
+    pub row: usize,
+    /// Its first column.
+    pub col: usize,
+    /// Number of rows.
+    pub rows: usize,
+    /// Number of columns.
+    pub cols: usize,
+}
+
+/// A picture of a scene by a design.
+#[derive(Debug, Clone)]
+pub struct LivePicture {
+    /// X, Y, Z under the illuminant of the scene, on the scale of [`LivePictures::reference`].
+    pub picture: Image,
+    /// The part of the scene that it shows.
+    pub crop: LiveCrop,
+    /// The exposure time, s.
+    pub time_s: f64,
+    /// The share of the samples that saturate, percent.
+    pub saturated_percent: f64,
+}
+
+/// What the light on a part of a scene depends on: that part, the transmittance of the lens and the luminance.
+type LightKey = (Window, Vec<u64>, u64);
+
+/// Takes pictures of one scene.
+pub struct LivePictures {
+    light: PixelLight,
+    metered: Option<Vec<f64>>,
+    /// The white of the illuminant: photons, and X, Y, Z with Y = 1.
+    photons: Spectrum,
+    white: [f64; 3],
+    /// What the standard observer sees of the whole scene, X, Y, Z.
+    seen: Image,
+    gain: f64,
+    kept: VecDeque<(LightKey, Arc<PixelSpectra>)>,
+    references: VecDeque<(LiveCrop, Arc<ReferenceToScore>)>,
+}
+
+impl LivePictures {
+    /// Prepares a scene under an illuminant, on the wavelengths and the pixels of a bare camera.
+    ///
+    /// # Errors
+    /// When the parts of the light do not fit each other.
+    pub fn new(scene: LiveScene, illuminant: &Illuminant, bare: &Camera) -> Result<Self, CameraError> {
+        let light = scene.scene.light.light(bare.grid())?;
+        let photons = illuminant.photons(bare.grid())?;
+        let seen = seen(&light, bare)?;
+        Ok(Self {
+            light,
+            metered: scene.scene.metered,
+            white: Observer::Cie1931.white(&photons)?,
+            photons,
+            gain: seen.brightness_gain(),
+            seen,
+            kept: VecDeque::new(),
+            references: VecDeque::new(),
+        })
+    }
+
+    /// The whole scene.
+    #[must_use]
+    pub fn whole(&self) -> LiveCrop {
+        LiveCrop { row: 0, col: 0, rows: self.seen.rows(), cols: self.seen.cols() }
+    }
+
+    /// Captures a part of the scene, or all of it, and renders it. A part has the same pixels as in the picture of the whole scene.
+    ///
+    /// # Errors
+    /// When the part is not within the scene, no exposure is found, or a stage fails.
+    pub fn picture(
+        &mut self,
+        design: &LiveDesign,
+        crop: Option<LiveCrop>,
+        noise: NoiseMode,
+        seed: u64,
+    ) -> Result<LivePicture, CameraError> {
+        let whole = self.whole();
+        let crop = self.checked(crop)?;
+        let LiveDesign { camera, pipeline, .. } = design;
+        let camera = camera.with_size(whole.rows, whole.cols);
+        let window = around(crop, whole, &camera, pipeline.reach());
+        let pixels = self.pixels(&camera, design, window)?;
+        let metered = metered(&camera, self.metered.as_deref(), &design.lens, design.luminance_cd_m2)?;
+        let exposure = match metered {
+            Some(point) => camera.exposure_metered(&point)?,
+            None if camera.stated_time_s().is_some() => camera.exposure_gathered(&pixels)?,
+            // The rule meters all pixels.
+            None => {
+                let all = Window { row: 0, col: 0, rows: whole.rows, cols: whole.cols };
+                camera.exposure_gathered(&*self.pixels(&camera, design, all)?)?
+            }
+        };
+        let mut sensor = camera.sensor.clone();
+        sensor.window = Some(window);
+        let raw = sensor.capture(&*pixels, &exposure, noise, seed)?;
+        let rendered = Isp::render(&pipeline.renderer(), &raw)?;
+        // The scale of the reference: that of the scene at 1 cd/m².
+        let y = &Observer::Cie1931.photon_weights(camera.grid())?[LUMINANCE];
+        let scale = camera.exposure_scale(&exposure, &self.photons, y)? * design.luminance_cd_m2;
+        let own = LiveCrop { row: crop.row - window.row, col: crop.col - window.col, ..crop };
+        let picture = part(&rendered, own)?.scaled(1.0 / scale);
+        let saturated_percent = raw.saturated_percent();
+        Ok(LivePicture { picture, crop, time_s: exposure.time_s, saturated_percent })
+    }
+
+    /// What the standard observer sees of a part of the scene, X, Y, Z, without noise.
+    ///
+    /// # Errors
+    /// When the part is not within the scene.
+    pub fn reference(&self, crop: Option<LiveCrop>) -> Result<Image, CameraError> {
+        part(&self.seen, self.checked(crop)?)
+    }
+
+    /// A picture or reference as RGBA, row by row: in sRGB, adapted to the white of the scene. The brightness is that at which the reference of the
+    /// whole scene fits the display, for all pictures of the scene.
+    ///
+    /// # Errors
+    /// When the picture is not in X, Y, Z.
+    pub fn rgba8(&self, picture: &Image) -> Result<Vec<u8>, CameraError> {
+        let rgb = picture.shown(Some(self.white), self.gain)?.rgb8();
+        Ok(rgb.as_chunks().0.iter().flat_map(|&[r, g, b]| [r, g, b, u8::MAX]).collect())
+    }
+
+    /// The differences of a picture from the reference, as [`score_picture`](crate::camera::score_picture) has them.
+    ///
+    /// # Errors
+    /// When the reference is dark, or the picture holds a value that is not finite.
+    pub fn scores(&mut self, picture: &LivePicture) -> Result<PictureScores, CameraError> {
+        let known = self.references.iter().find(|(crop, _)| *crop == picture.crop);
+        let reference = match known {
+            Some((_, found)) => found.clone(),
+            None => {
+                let image = self.reference(Some(picture.crop))?;
+                let made = ReferenceToScore::new(&image, self.white, &ScoreSettings::default())?;
+                keep(&mut self.references, picture.crop, Arc::new(made))
+            }
+        };
+        reference.score(&picture.picture)
+    }
+
+    fn checked(&self, crop: Option<LiveCrop>) -> Result<LiveCrop, CameraError> {
+        let whole = self.whole();
+        let Some(crop) = crop else { return Ok(whole) };
+        let inside = |first: usize, count: usize, all: usize| {
+            count > 0 && first.checked_add(count).is_some_and(|end| end <= all)
+        };
+        if inside(crop.row, crop.rows, whole.rows) && inside(crop.col, crop.cols, whole.cols) {
+            return Ok(crop);
+        }
+        let LiveCrop { row, col, rows, cols } = crop;
+        let message = format!(
+            "{rows} × {cols} pixels from row {row} and column {col}; expected a part of {} × {} pixels",
+            whole.rows, whole.cols
+        );
+        Err(CameraError::Key { key: "crop".into(), message })
+    }
+
+    /// The light on a window of the sensor.
+    fn pixels(
+        &mut self,
+        camera: &Camera,
+        design: &LiveDesign,
+        window: Window,
+    ) -> Result<Arc<PixelSpectra>, CameraError> {
+        let lens = design.lens.values().iter().map(|v| v.to_bits()).collect();
+        let key = (window, lens, design.luminance_cd_m2.to_bits());
+        if let Some((_, found)) = self.kept.iter().find(|(k, _)| *k == key) {
+            return Ok(found.clone());
+        }
+        let mut sensor = camera.sensor.clone();
+        sensor.window = Some(window);
+        let pixels = self.light.behind(&sensor, &design.lens, design.luminance_cd_m2)?;
+        Ok(keep(&mut self.kept, key, Arc::new(pixels)))
+    }
+}
+
+/// Adds an entry in place of the oldest one.
+fn keep<K, V: Clone>(kept: &mut VecDeque<(K, V)>, key: K, value: V) -> V {
+    if kept.len() >= KEPT {
+        kept.pop_front();
+    }
+    kept.push_back((key, value.clone()));
+    value
+}
+
+/// The window of whole tiles around a part of a scene with the samples that its picture depends on.
+fn around(crop: LiveCrop, whole: LiveCrop, camera: &Camera, reach: usize) -> Window {
+    let mosaic = camera.sensor.cfa.mosaic();
+    let extent = |first: usize, count: usize, all: usize, tile: usize| {
+        // Classes may be read from samples that are farther along the rows than along the columns: by a tile at most.
+        let reach = reach + mosaic.rows().max(mosaic.cols());
+        let start = first.saturating_sub(reach) / tile * tile;
+        (start, (first + count + reach).min(all) - start)
+    };
+    let (row, rows) = extent(crop.row, crop.rows, whole.rows, mosaic.rows());
+    let (col, cols) = extent(crop.col, crop.cols, whole.cols, mosaic.cols());
+    Window { row, col, rows, cols }
+}
+
+fn part(image: &Image, crop: LiveCrop) -> Result<Image, CameraError> {
+    let LiveCrop { row, col, rows, cols } = crop;
+    if (rows, cols) == (image.rows(), image.cols()) {
+        return Ok(image.clone());
+    }
+    let mut planes = Planes::zeros(rows, cols, 3);
+    for (out, plane) in planes.planes_mut().zip(image.planes().planes()) {
+        for (r, out) in out.chunks_exact_mut(cols).enumerate() {
+            out.copy_from_slice(&plane[(row + r) * image.cols() + col..][..cols]);
+        }
+    }
+    Ok(Image::new(image.space(), planes)?)
+}
+
+/// X, Y, Z of the light on bare pixels as [`Camera::seen_by`] has them: the mean irradiance of each pixel, weighted.
+fn seen(light: &PixelLight, bare: &Camera) -> Result<Image, CameraError> {
+    let observer = Observer::Cie1931.photon_weights(bare.grid())?;
+    let per_m2 = 1.0 / bare.sensor.pixel.photodetector_area_m2();
+    let planes = light.planes();
+    let mut seen = Planes::zeros(planes.rows(), planes.cols(), 3);
+    for (out, weights) in seen.planes_mut().zip(&observer) {
+        for (plane, spectrum) in planes.planes().zip(light.spectra()) {
+            let weight = (spectrum.times(weights)?.integral() * per_m2) as f32;
+            out.iter_mut().zip(plane).for_each(|(o, v)| *o += weight * v);
+        }
+        // Components are accurate to a share of the brightest pixel.
+        out.iter_mut().for_each(|o| *o = o.max(0.0));
+    }
+    let image = Image::new(ColorSpace::Xyz, seen)?;
+    if image.channels()[LUMINANCE].iter().all(|y| *y <= 0.0) {
+        return Err(SensorError::NoLight.into());
+    }
+    Ok(image)
+}
