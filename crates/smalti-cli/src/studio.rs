@@ -5,12 +5,19 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, bail};
 use clap::Args;
 use serde_json::json;
-use smalti_io::{cameras, designs, studies, write};
+use smalti::camera::Camera;
+use smalti::camera::description::{AutoExposureName, CfaDescription};
+use smalti_io::cache::Cache;
+use smalti_io::cameras::LoadedCamera;
+use smalti_io::studio::StudioAsset;
+use smalti_io::{TomlSource, cameras, designs, studies, write};
 use smalti_report::study::camera_toml;
 use smalti_serve::{LocalServer, studio};
 
 use crate::args::Common;
 use crate::output::note;
+use crate::progress::Progress;
+use crate::resolve;
 use crate::show::find::{Kind, kind};
 
 /// The camera in the folder of `smalti design`.
@@ -38,13 +45,21 @@ pub(crate) struct Studio {
     /// Print the address as JSON without opening a browser
     #[arg(long)]
     pub(crate) json: bool,
+    /// Do not use the cache of the light ($SMALTI_CACHE_DIR, else the user's cache folder)
+    #[arg(long)]
+    pub(crate) no_cache: bool,
     /// Write the page to a new or empty folder, in place of serving it
     #[arg(long, value_name = "DIR", conflicts_with_all = ["port", "no_open", "json"])]
     pub(crate) export: Option<PathBuf>,
 }
 
 pub(crate) fn run(args: &Studio, common: &Common) -> anyhow::Result<()> {
-    let files = studio::files(&start(&args.start, common)?);
+    let camera = metered(start(&args.start, common)?, common)?;
+    if let Some(dir) = &args.export {
+        write::ensure_can_fill(dir)?;
+    }
+    let toml = designs::own_camera_toml(camera.description()).map_err(anyhow::Error::from)?;
+    let files = studio::files(&toml, light_for(&camera, &resolve::cache(args.no_cache)?, common)?);
     if let Some(dir) = &args.export {
         write::folder(dir, files.iter().map(|file| (file.path.as_str(), file.content.as_ref())))?;
         return crate::print(&format!("{}\n", dir.join("index.html").display()));
@@ -63,22 +78,44 @@ pub(crate) fn run(args: &Studio, common: &Common) -> anyhow::Result<()> {
     Ok(server.run(studio::routes(files))?)
 }
 
-/// The camera file with which the page opens.
-fn start(name: &str, common: &Common) -> anyhow::Result<String> {
+/// The light of the scenes behind the lens of a camera, as files of the page. It does not depend on the filters.
+fn light_for(camera: &Camera, cache: &Cache, common: &Common) -> anyhow::Result<Vec<StudioAsset>> {
+    let mut bare = camera.description().clone();
+    (bare.sensor.cfa, bare.sensor.binning) = (CfaDescription::default(), None);
+    let key = serde_json::to_string(&bare)?;
+    if let Some(assets) = cache.studio_assets(&key) {
+        return Ok(assets);
+    }
+    let progress = Progress::new(0, common.quiet);
+    let assets = smalti_io::studio::assets(&Camera::new(bare, camera.grid())?, &progress)?;
+    progress.finish();
+    cache.keep_studio_assets(&key, &assets);
+    Ok(assets)
+}
+
+/// The camera with which the page opens.
+fn start(name: &str, common: &Common) -> anyhow::Result<Camera> {
+    let told = |loaded: LoadedCamera| {
+        loaded.notes.iter().for_each(|text| note(text, common));
+        loaded.camera
+    };
+    let camera = |name: &str| cameras::load_with_notes(name, &[], None).map(told).map_err(anyhow::Error::from);
     let folder = Path::new(name);
     if folder.is_dir() {
         let path = folder.join(DESIGNED);
         if !path.is_file() {
             bail!("{name}: the folder has no {DESIGNED}; expected one that `smalti design -o {name}` wrote");
         }
-        return camera(path.to_str().context("the path of the folder is not Unicode")?, common);
+        return camera(path.to_str().context("the path of the folder is not Unicode")?);
     }
     match kind(name, None)?.0 {
-        Kind::Camera => camera(name, common),
+        Kind::Camera => camera(name),
         Kind::Study => {
             let study = studies::load_with_notes(name).map_err(anyhow::Error::from)?;
             study.notes.iter().for_each(|text| note(text, common));
-            Ok(camera_toml(&study.trials, 0)?)
+            let first = camera_toml(&study.trials, 0)?;
+            let source = TomlSource { name: name.to_owned(), folder: PathBuf::new(), text: first };
+            cameras::from_source(&source, &[], None).map_err(anyhow::Error::from)
         }
         other => bail!(
             "{name} is {}; expected a camera, a study or a folder that `smalti design` wrote. A mosaic is opened with a camera, such as bayer@quad-bayer",
@@ -87,9 +124,16 @@ fn start(name: &str, common: &Common) -> anyhow::Result<String> {
     }
 }
 
-/// A camera with the files that it names read into it.
-fn camera(name: &str, common: &Common) -> anyhow::Result<String> {
-    let loaded = cameras::load_with_notes(name, &[], None).map_err(anyhow::Error::from)?;
-    loaded.notes.iter().for_each(|text| note(text, common));
-    designs::own_camera_toml(loaded.camera.description()).map_err(anyhow::Error::from)
+/// The camera with an exposure that the page can compute: the page meters the whole picture.
+fn metered(camera: Camera, common: &Common) -> anyhow::Result<Camera> {
+    if camera.description().exposure.auto != Some(AutoExposureName::Luminance) {
+        return Ok(camera);
+    }
+    let mut description = camera.description().clone();
+    (description.exposure.auto, description.exposure.auto_target) = (Some(AutoExposureName::Specular), None);
+    note(
+        "the page meters the brightest point of the image (exposure.auto = \"specular\"), since it cannot meter a percentile",
+        common,
+    );
+    Ok(Camera::new(description, camera.grid())?)
 }

@@ -104,7 +104,7 @@ export function removeFilter(camera, letter, instead) {
 export function withMosaic(camera, pattern, filters) {
   const own = camera.sensor.cfa.filters;
   const used = [...new Set(pattern.join(""))];
-  return withCfa(camera, { pattern, filters: Object.fromEntries(used.map((l) => [l, own[l] ?? filters[l]])) });
+  return withCfa(camera, { pattern, filters: Object.fromEntries(used.map((l) => [l, own[l] ?? filters[l]])), mixtures: undefined });
 }
 
 /** Another value at a path of keys; `undefined` removes the key. @template T @param {T} object @param {string[]} path @param {any} value @returns {T} */

@@ -205,8 +205,8 @@ export class Engine {
     /** Lenses and pixel geometries that the assets have light for. @type {Setup[]} */
     this.setups = about.setups;
     /**
-     * Built-in mosaics with their tiles and default filters, and the built-in filters by name.
-     * @type {{ cfas: { name: string, tile: string[], filters: Record<string, Filter> }[], filters: string[], cameras: Design[] }}
+     * Built-in mosaics with their other names, tiles and default filters, and the built-in filters by name.
+     * @type {{ cfas: { name: string, aliases?: string[], tile: string[], filters: Record<string, Filter> }[], filters: string[], cameras: Design[] }}
      */
     this.catalogue = about.catalogue;
   }

@@ -33,11 +33,12 @@ export function setUpImprove(store, engine, luminance, own, fail) {
   /** The step of the history with the result, while it can be discarded. @type {number | undefined} */
   let result;
 
-  /** @param {Step} step @param {Step} first */
-  function words(step, first) {
+  /** @param {Step} step @param {import("./engine.js").Expected[]} before */
+  function words(step, before) {
+    if (step.cost >= step.own_cost) return `Step ${step.step}. Not yet better than the design that it began with`;
     const gains = step.expected.map((e, i) => {
-      const by = e.cpsnr_db - first.expected[i].cpsnr_db;
-      const color = e.delta_e_2000 - first.expected[i].delta_e_2000;
+      const by = e.cpsnr_db - before[i].cpsnr_db;
+      const color = e.delta_e_2000 - before[i].delta_e_2000;
       const signed = (/** @type {number} */ v) => `${v < 0 ? "−" : "+"}${Math.abs(v).toFixed(2)}`;
       return `${step.expected.length > 1 ? `${Number(e.luminance_cd_m2.toPrecision(3))} cd/m²: ` : ""}${signed(by)} dB, ${signed(color)} ΔE2000`;
     });
@@ -58,21 +59,22 @@ export function setUpImprove(store, engine, luminance, own, fail) {
     button.textContent = "Stop and keep";
     discard.hidden = true;
     state.textContent = "Gathering what is known of the light…";
-    /** @type {Step | undefined} */
-    let first;
     const { signal } = stop;
     try {
+      // A newer request of the page may come before this one.
+      let before = null;
+      while (before === null) before = await engine.scores(begun, luminances);
+      const { expected } = before;
       const last = await engine.improve(begun, locks, luminances, (step) => {
         if (signal.aborted) return;
-        first ??= step;
         isOwn = true;
-        if (step.step > 0) store.change(own(step.design), "the improvement", key);
+        if (step.cost < step.own_cost) store.change(own(step.design), "the improvement", key);
         isOwn = false;
-        state.textContent = words(step, first);
+        state.textContent = `${words(step, expected)}.`;
       }, signal, /** @type {"free" | "pigments" | "dichroic"} */ (family.value));
       const isChanged = store.camera !== begun && store.steps[store.at].what === "the improvement";
       if (isChanged) result = store.at;
-      const told = `${first ? words(last, first) : ""}. ${!isChanged ? "Nothing was changed" : last.is_done ? "No step makes it better" : "Stopped and kept"}.`;
+      const told = `${words(last, expected)}. ${!isChanged ? "Nothing was changed" : last.is_done ? "No step makes it better" : "Stopped and kept"}.`;
       state.textContent = told;
       announce(told);
     } catch (error) {

@@ -29,9 +29,13 @@ const lightText = (luminance) => `${Number(luminance.toPrecision(luminance < 1 ?
 function inFull(engine, design) {
   const cfa = design.sensor?.cfa ?? {};
   const name = typeof cfa.pattern === "string" ? cfa.pattern : cfa.pattern === undefined ? "bayer" : undefined;
-  const known = engine.catalogue.cfas.find((c) => c.name === name);
+  const known = engine.catalogue.cfas.find((c) => c.name === name || (name !== undefined && c.aliases?.includes(name)));
+  if (name !== undefined && !known) throw new Error(`sensor.cfa.pattern is "${name}"; expected the name of a mosaic of the catalogue, or its lines in letters`);
   const pattern = known ? known.tile : /** @type {string[]} */ (cfa.pattern);
-  const filters = { ...known?.filters, ...cfa.filters };
+  const all = { ...known?.filters, ...cfa.filters };
+  // In the order in which the mosaic shows them; those that it does not have follow.
+  const order = [...new Set([...pattern.join(""), ...Object.keys(all)])].filter((letter) => letter in all);
+  const filters = Object.fromEntries(order.map((letter) => [letter, all[letter]]));
   return /** @type {any} */ (withValue(withValue(design, ["sensor", "cfa", "pattern"], pattern), ["sensor", "cfa", "filters"], filters));
 }
 
@@ -94,12 +98,15 @@ async function start() {
 
   const isPinned = () => store.pinned !== undefined && JSON.stringify(store.pinned) === JSON.stringify(store.camera);
   const showScores = () => scores.show(own, store.pinned && !isPinned() ? pin : undefined);
-  const caption = (/** @type {Picture} */ p) => `${store.camera.name} · ${Number(p.exposure_ms.toPrecision(3))} ms · drawn in ${Math.round(p.timings_ms.total)} ms`;
+  let drawnMs = 0;
+  const caption = (/** @type {Picture} */ p) => `${store.camera.name} · exposed for ${Number(p.exposure_ms.toPrecision(3))} ms · drawn in ${Math.round(drawnMs)} ms`;
   const clear = () => { if (byId("message", HTMLElement).dataset.kind === "trouble") tell(""); };
   const compute = setUpWork(engine, () => ({ camera: store.camera, pinned: store.pinned, scene: scene.value, luminance: luminance() }), picture.needsPin, {
     picture(drawn) {
       wait.hidden = true;
       clear();
+      // Scores take longer than the picture.
+      if (!drawn.scores) drawnMs = drawn.timings_ms.total;
       picture.showOwn(drawn, caption(drawn));
       if (!drawn.scores) return;
       own.picture = drawn;
@@ -198,10 +205,14 @@ async function start() {
 
   /** Opens a camera as a step that can be undone. @param {Design} design @param {string} what */
   function adopt(design, what) {
-    const { camera: fits, changed } = fitted(engine, inFull(engine, design));
-    store.change(fits, what);
-    store.pin(fits);
-    tell(changed || `${fits.name} is open, and later changes are compared with it.`);
+    try {
+      const { camera: fits, changed } = fitted(engine, inFull(engine, design));
+      store.change(fits, what);
+      store.pin(fits);
+      tell(changed || `${fits.name} is open, and later changes are compared with it.`);
+    } catch (error) {
+      tell(`${message(error)}.`, "trouble");
+    }
   }
   /** @param {File} file */
   async function open(file) {

@@ -119,9 +119,11 @@ export function setUpMosaic(store, catalogue, colors) {
     });
   }
 
-  template.append(...catalogue.cfas.map(({ name, tile }) => make("option", { value: name }, `${name} (${tile.length} × ${tile[0].length})`)));
+  // Mosaics of mixtures have letters without a filter, which this editor does not paint.
+  const plain = catalogue.cfas.filter(({ tile, filters }) => Math.max(tile.length, tile[0].length) <= MAX_SIDE && [...tile.join("")].every((l) => l in filters));
+  template.append(...plain.map(({ name, tile }) => make("option", { value: name }, `${name} (${tile.length} × ${tile[0].length})`)));
   template.addEventListener("change", () => {
-    const chosen = catalogue.cfas.find(({ name }) => name === template.value);
+    const chosen = plain.find(({ name }) => name === template.value);
     template.value = "";
     if (!chosen) return;
     store.change(withMosaic(store.camera, chosen.tile, chosen.filters), `the mosaic ${chosen.name}`);

@@ -19,8 +19,8 @@ const SCORES = [
   { label: "Saturated", unit: "%", title: "Samples at the end of the range", better: -1, digits: 2, get: (k) => k.picture?.saturated_percent },
   { label: "Photon efficiency", unit: "%", title: "Share of the light on the pixels that becomes electrons", better: 1, digits: 1, get: (k) => scaled(k.figures?.array.photon_efficiency, 100) },
   { label: "Noise gain", unit: "×", title: "Noise of the luminance that the colour transform makes from noise of the channels", better: -1, digits: 2, get: (k) => k.figures?.array.luminance_noise_gain },
-  { label: "Vora value", unit: "", title: "How well the channels span the space of the observer, 0 to 1", better: 1, digits: 3, get: (k) => k.figures?.array.vora },
-  { label: "SMI", unit: "", title: "Sensitivity metamerism index, ISO 17321-1; 100 is an observer", better: 1, digits: 1, get: (k) => k.figures?.array.smi },
+  { label: "Vora value", unit: "", title: "How well the channels span the space of the observer, 0 to 1", better: 1, digits: 3, get: (k) => k.figures?.array.vora_value },
+  { label: "SMI", unit: "", title: "Sensitivity metamerism index, ISO 17321-1; 100 is an observer", better: 1, digits: 1, get: (k) => k.figures?.array.sensitivity_metamerism_index },
   { label: "Condition", unit: "", title: "Condition number of the channels; a large one amplifies noise", better: -1, digits: 2, get: (k) => k.figures?.array.condition_number },
 ];
 
@@ -45,11 +45,14 @@ function change(score, from, to) {
   return { shown: `${by > 0 ? "+" : "−"}${amount}`, said: `${amount} ${isBetter ? "better" : "worse"} than pinned`, kind: isBetter ? "better" : "worse" };
 }
 
+/** A message as a sentence. @param {string} message */
+const sentence = (message) => `${message[0].toUpperCase()}${message.slice(1).replace(/\.$/, "")}.`;
+
 export function setUpScores() {
   const tiles = byId("tiles", HTMLElement);
   const metric = byId("metric", HTMLSelectElement);
   const place = byId("light-curve", HTMLDivElement);
-  const warnings = byId("warnings", HTMLUListElement);
+  const warnings = byId("warnings", HTMLDetailsElement);
   const parts = SCORES.map((score) => {
     const [value, delta] = [make("span", { class: "value" }, "–"), make("span", { class: "delta" })];
     tiles.append(make("div", { class: "tile", title: score.title }, make("dt", {}, score.label), make("dd", {}, make("span", { class: "amount" }, value, make("span", { class: "unit" }, score.unit)), delta)));
@@ -121,9 +124,14 @@ export function setUpScores() {
     },
     /** @param {import("./engine.js").Warning[]} all */
     warn(all) {
-      const messages = [...new Map(all.map((w) => [w.message, w])).values()];
-      const same = messages.length === warnings.children.length && messages.every((w, i) => warnings.children[i].textContent === w.message);
-      if (!same) warnings.replaceChildren(...messages.map((w) => make("li", {}, w.message)));
+      const messages = [...new Set(all.map((w) => sentence(w.message)))];
+      const [summary, list] = [/** @type {HTMLElement} */ (warnings.querySelector("summary")), /** @type {HTMLElement} */ (warnings.querySelector("ul"))];
+      const text = messages.length === 0 ? "No warnings" : messages.length === 1 ? messages[0] : `${messages.length} warnings: ${messages[0]}`;
+      if (summary.textContent === text && list.children.length === messages.length) return;
+      summary.textContent = text;
+      list.replaceChildren(...messages.map((message) => make("li", {}, message)));
+      warnings.toggleAttribute("data-some", messages.length > 0);
+      if (messages.length === 0) warnings.open = false;
     },
   };
 }

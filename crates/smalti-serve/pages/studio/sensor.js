@@ -28,7 +28,7 @@ const FIELDS = [
   { id: "read-noise", label: "Read noise", unit: "e⁻", min: 0, max: 1000, step: 0.1, get: readNoise, set: withReadNoise },
   { id: "full-well", label: "Full well", unit: "e⁻", min: 100, max: 1e6, step: 100, get: (c) => c.sensor.pixel.full_well_e, set: (c, v) => withValue(c, ["sensor", "pixel", "full_well_e"], v) },
   {
-    id: "gain", label: "Conversion gain", unit: "µV/e⁻", min: 0.1, max: 2000, step: 1, get: (c) => c.sensor.pixel.conversion_gain_uv_per_e,
+    id: "gain", label: "Gain", title: "Conversion gain of a pixel", unit: "µV/e⁻", min: 0.1, max: 2000, step: 1, get: (c) => c.sensor.pixel.conversion_gain_uv_per_e,
     set: (c, v) => withValue(c, ["sensor", "pixel", "conversion_gain_uv_per_e"], v),
   },
   { id: "prnu", label: "PRNU", unit: "%", title: "Gain differences between pixels", min: 0, max: 20, step: 0.1, get: (c) => c.sensor.prnu_percent, set: (c, v) => withValue(c, ["sensor", "prnu_percent"], v) },
@@ -37,6 +37,12 @@ const FIELDS = [
 
 /** The text of a number with at most four significant digits, all of those before the point. @param {number} value */
 const shown = (value) => String(Math.abs(value) >= 1000 ? Math.round(value) : Number(value.toPrecision(4)));
+
+/** @param {Engine["setups"][number]} setup */
+function setupName({ name, camera }) {
+  const { optics, sensor } = /** @type {Camera} */ (/** @type {unknown} */ (camera));
+  return `${name}: f/${optics.f_number}, ${sensor.pixel.pitch_um} µm`;
+}
 
 /** A choice of a curve by name, and a curve of another kind, which stays. @param {any} filter */
 const curveName = (filter) => (filter === undefined || filter === null ? "none" : filter.builtin ?? "own");
@@ -60,13 +66,13 @@ export function setUpSensor(store, engine, adopt) {
     if (camera) adopt(camera, `the preset ${camera.name}`);
   });
 
-  const setup = make("select", { id: "setup", change: () => {
+  const setup = make("select", { id: "setup", title: "The light of the scenes was gathered behind this lens, on these pixels", change: () => {
     const chosen = engine.setups.find((s) => s.id === setup.value);
     if (!chosen) return;
     store.change(withSetup(store.camera, chosen), "lens and pixel");
-    announce(`Lens and pixel: ${chosen.name}`);
+    announce(`Lens and pixel: ${setupName(chosen)}`);
   } });
-  refreshers.push(() => setOptions(setup, engine.setups.map((s) => [s.id, s.name]), setupOf(engine, store.camera)?.id ?? ""));
+  refreshers.push(() => setOptions(setup, engine.setups.map((s) => [s.id, setupName(s)]), setupOf(engine, store.camera)?.id ?? ""));
   place.append(make("label", { class: "field wide" }, make("span", {}, "Lens and pixel"), setup));
 
   const cut = make("select", { id: "ir-cut", change: () => store.change(withValue(store.camera, ["optics", "ir_cut"], cut.value === "none" ? undefined : { builtin: cut.value }), "the infrared cut") });
@@ -84,7 +90,7 @@ export function setUpSensor(store, engine, adopt) {
   }, change: () => store.end() });
   const automatic = make("input", { id: "automatic", type: "checkbox", change: () => {
     const exposure = automatic.checked
-      ? withValue(withValue(store.camera, ["exposure", "time_ms"], undefined), ["exposure", "auto"], "luminance")
+      ? withValue(withValue(store.camera, ["exposure", "time_ms"], undefined), ["exposure", "auto"], "specular")
       : withValue(withValue(withValue(store.camera, ["exposure", "auto"], undefined), ["exposure", "auto_target"], undefined), ["exposure", "time_ms"], 100);
     store.change(exposure, "the exposure");
   } });
@@ -116,34 +122,42 @@ export function setUpSensor(store, engine, adopt) {
   return show;
 }
 
-/** The value at a key with points between the names of tables. @param {any} object @param {string} key */
-const valueAt = (object, key) => key.split(".").reduce((o, part) => o?.[part], object);
 const isEqual = (/** @type {unknown} */ a, /** @type {unknown} */ b) => JSON.stringify(a ?? null) === JSON.stringify(b ?? null);
 
-/** The keys of a setup in which a camera differs from it. @param {Camera} camera @param {Engine["setups"][number]} setup */
-function differing(camera, setup) {
-  return Object.entries(setup.fixed).filter(([key, value]) => !isEqual(valueAt(camera, key), value)).map(([key]) => key);
+/** The camera with the lens and the pixel geometry of a setup. Transmittance and infrared cut stay. @param {Camera} camera @param {Engine["setups"][number]} setup @returns {Camera} */
+export function withSetup(camera, setup) {
+  const fixed = /** @type {any} */ (setup.camera);
+  const { transmittance, ir_cut } = camera.optics;
+  const { pitch_um, fill_factor } = fixed.sensor.pixel;
+  const lens = { ...fixed.optics, ...(transmittance === undefined ? {} : { transmittance }), ir_cut };
+  return withValue({ ...camera, optics: lens, sensor: { ...camera.sensor, pixel: { ...camera.sensor.pixel, pitch_um, fill_factor } } }, ["wavelengths_nm"], fixed.wavelengths_nm);
 }
 
 /** The setup of a camera, if the page has its light. @param {Engine} engine @param {Camera} camera */
 export function setupOf(engine, camera) {
-  return engine.setups.find((setup) => differing(camera, setup).length === 0);
-}
-
-/** @param {Camera} camera @param {Engine["setups"][number]} setup @returns {Camera} */
-export function withSetup(camera, setup) {
-  return Object.entries(setup.fixed).reduce((c, [key, value]) => withValue(c, key.split("."), value ?? undefined), camera);
+  const sorted = (/** @type {any} */ o) => Object.entries(o).filter(([, v]) => v !== undefined && v !== null).sort(([a], [b]) => (a < b ? -1 : 1));
+  const key = (/** @type {Camera} */ c) => [sorted(c.optics), c.sensor.pixel.pitch_um, c.sensor.pixel.fill_factor, c.wavelengths_nm];
+  return engine.setups.find((setup) => isEqual(key(camera), key(withSetup(camera, setup))));
 }
 
 /**
- * A camera with lens and pixel geometry that the page has light for: its own, else those with the nearest pitch. `changed` says what was changed.
+ * A camera as the page can draw it: with lens and pixel geometry that it has light for, its own or those with the nearest pitch, and with
+ * exposure by the brightest point in place of a percentile. `changed` says what was changed.
  * @param {Engine} engine @param {Camera} camera @returns {{ camera: Camera, changed: string }}
  */
 export function fitted(engine, camera) {
-  if (setupOf(engine, camera)) return { camera, changed: "" };
-  const pitch = (/** @type {any} */ c) => Math.log(valueAt(c, "sensor.pixel.pitch_um") ?? 2.2);
-  const distance = (/** @type {Engine["setups"][number]} */ s) => Math.abs(pitch(s.camera) - pitch(camera));
-  const nearest = engine.setups.reduce((a, b) => (distance(b) < distance(a) ? b : a));
-  const says = differing(camera, nearest).filter((key) => /f_number|pitch_um|fill_factor/.test(key)).map((key) => `${key} ${valueAt(camera, key)}`);
-  return { camera: withSetup(camera, nearest), changed: `${camera.name} is shown with lens and pixel geometry of “${nearest.name}”, since the page has no light for its own${says.length > 0 ? ` (${says.join(", ")})` : ""}.` };
+  /** @type {string[]} */
+  const changed = [];
+  let fits = camera;
+  if (!setupOf(engine, fits)) {
+    const pitch = (/** @type {any} */ c) => Math.log(c.sensor.pixel.pitch_um);
+    const nearest = engine.setups.reduce((a, b) => (Math.abs(pitch(b.camera) - pitch(camera)) < Math.abs(pitch(a.camera) - pitch(camera)) ? b : a));
+    fits = withSetup(fits, nearest);
+    changed.push(`lens and pixel geometry of ${nearest.name}, since the page has no light for its own (f/${camera.optics.f_number}, ${camera.sensor.pixel.pitch_um} µm)`);
+  }
+  if (fits.exposure.auto === "luminance" && fits.exposure.time_ms === undefined) {
+    fits = withValue(withValue(fits, ["exposure", "auto"], "specular"), ["exposure", "auto_target"], undefined);
+    changed.push("exposure by the brightest point in place of a percentile");
+  }
+  return { camera: fits, changed: changed.length === 0 ? "" : `${camera.name} is shown with ${changed.join(", and with ")}.` };
 }

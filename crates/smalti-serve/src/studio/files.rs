@@ -2,7 +2,12 @@
 
 use std::borrow::Cow;
 
+use smalti_io::studio::StudioAsset;
+
 use super::{PAGE, START};
+
+/// The folder of the simulator and its data.
+const ENGINE: &str = "engine";
 
 /// A file of the page.
 #[derive(Debug, Clone)]
@@ -60,11 +65,38 @@ static EMBEDDED: [(&str, &[u8]); 20] = embedded![
     "work.js",
 ];
 
-/// All files of the page, which opens with the camera of a camera file.
+/// The library as WebAssembly, deflated: `tools/wasm/build` makes it.
+static MODULE: &[u8] = include_bytes!("../../vendor/studio.wasm.deflate");
+
+/// All files of the page: `start` is the camera file with which it opens, `assets` is the light of its scenes behind its lens.
 #[must_use]
-pub fn files(start: &str) -> Vec<PageFile> {
-    debug_assert!(EMBEDDED.iter().any(|(path, _)| *path == PAGE));
+pub fn files(start: &str, assets: Vec<StudioAsset>) -> Vec<PageFile> {
     let embedded = EMBEDDED.iter().map(|&(path, content)| (path.to_owned(), Cow::Borrowed(content)));
     let start = (START.to_owned(), Cow::Owned(start.as_bytes().to_vec()));
-    embedded.chain([start]).map(|(path, content)| PageFile { path, content }).collect()
+    let module = (format!("{ENGINE}/studio.wasm.deflate"), Cow::Borrowed(MODULE));
+    let assets = assets.into_iter().map(|asset| (format!("{ENGINE}/{}", asset.name), Cow::Owned(asset.bytes)));
+    embedded.chain([start, module]).chain(assets).map(|(path, content)| PageFile { path, content }).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_file_of_the_page_is_embedded_and_has_a_type() {
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/pages/studio");
+        let mut there: Vec<String> =
+            std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+        let mut known: Vec<String> = EMBEDDED.iter().map(|(path, _)| (*path).to_owned()).collect();
+        there.sort();
+        known.sort();
+        assert_eq!(there, known);
+        assert!(known.iter().any(|path| path == PAGE));
+        let asset = StudioAsset { name: "scene.bin".into(), bytes: vec![1] };
+        let files = files("name = \"x\"", vec![asset]);
+        let type_of = |path: &str| files.iter().find(|f| f.path == path).map(PageFile::media_type);
+        assert_eq!(type_of("engine/scene.bin"), Some("application/octet-stream"));
+        assert_eq!(type_of("main.js"), Some("text/javascript; charset=utf-8"));
+        assert_eq!(type_of(START), Some("text/plain; charset=utf-8"));
+    }
 }

@@ -64,7 +64,7 @@ pub(super) fn catalogue() -> Result<Value, EngineError> {
         let named = cfa::default_filters(info.name).map_err(smalti::camera::CameraError::from)?;
         let filters: BTreeMap<String, Value> =
             named.into_iter().map(|(letter, name)| (letter.to_string(), json!({"builtin": name}))).collect();
-        Ok(json!({"name": info.name, "tile": tile, "filters": filters}))
+        Ok(json!({"name": info.name, "aliases": info.aliases, "tile": tile, "filters": filters}))
     };
     let cfas = cfa::names().iter().map(of_cfa).collect::<Result<Vec<_>, _>>()?;
     let filters: Vec<&str> = cfa::builtin_filters().iter().map(|f| f.name).collect();
