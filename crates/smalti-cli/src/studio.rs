@@ -6,7 +6,7 @@ use anyhow::{Context, bail};
 use clap::Args;
 use serde_json::json;
 use smalti::camera::Camera;
-use smalti::camera::description::{AutoExposureName, CfaDescription};
+use smalti::camera::description::CfaDescription;
 use smalti_io::cache::Cache;
 use smalti_io::cameras::LoadedCamera;
 use smalti_io::studio::StudioAsset;
@@ -54,7 +54,7 @@ pub(crate) struct Studio {
 }
 
 pub(crate) fn run(args: &Studio, common: &Common) -> anyhow::Result<()> {
-    let camera = metered(start(&args.start, common)?, common)?;
+    let camera = start(&args.start, common)?;
     if let Some(dir) = &args.export {
         write::ensure_can_fill(dir)?;
     }
@@ -122,18 +122,4 @@ fn start(name: &str, common: &Common) -> anyhow::Result<Camera> {
             other.with_article()
         ),
     }
-}
-
-/// The camera with an exposure that the page can compute: the page meters the whole picture.
-fn metered(camera: Camera, common: &Common) -> anyhow::Result<Camera> {
-    if camera.description().exposure.auto != Some(AutoExposureName::Luminance) {
-        return Ok(camera);
-    }
-    let mut description = camera.description().clone();
-    (description.exposure.auto, description.exposure.auto_target) = (Some(AutoExposureName::Specular), None);
-    note(
-        "the page meters the brightest point of the image (exposure.auto = \"specular\"), since it cannot meter a percentile",
-        common,
-    );
-    Ok(Camera::new(description, camera.grid())?)
 }

@@ -142,7 +142,7 @@ export function setupOf(engine, camera) {
 
 /**
  * A camera as the page can draw it: with lens and pixel geometry that it has light for, its own or those with the nearest pitch, and with
- * exposure by the brightest point in place of a percentile. `changed` says what was changed.
+ * exposure by the brightest point in place of a percentile, without crosstalk and binning. `changed` says what was changed.
  * @param {Engine} engine @param {Camera} camera @returns {{ camera: Camera, changed: string }}
  */
 export function fitted(engine, camera) {
@@ -158,6 +158,14 @@ export function fitted(engine, camera) {
   if (fits.exposure.auto === "luminance" && fits.exposure.time_ms === undefined) {
     fits = withValue(withValue(fits, ["exposure", "auto"], "specular"), ["exposure", "auto_target"], undefined);
     changed.push("exposure by the brightest point in place of a percentile");
+  }
+  if (fits.sensor.crosstalk_percent > 0) {
+    fits = withValue(fits, ["sensor", "crosstalk_percent"], 0);
+    changed.push("pixels without crosstalk");
+  }
+  if (fits.sensor.binning) {
+    fits = withValue(fits, ["sensor", "binning"], undefined);
+    changed.push("pixels that are read one by one");
   }
   return { camera: fits, changed: changed.length === 0 ? "" : `${camera.name} is shown with ${changed.join(", and with ")}.` };
 }

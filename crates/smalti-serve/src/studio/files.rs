@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use smalti_io::studio::StudioAsset;
 
-use super::{PAGE, START};
+use super::START;
 
 /// The folder of the simulator and its data.
 const ENGINE: &str = "engine";
@@ -80,6 +80,7 @@ pub fn files(start: &str, assets: Vec<StudioAsset>) -> Vec<PageFile> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::PAGE;
     use super::*;
 
     #[test]
