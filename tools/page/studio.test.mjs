@@ -77,7 +77,7 @@ test("a cell is painted, a filter dragged, both undone; scores say what the chan
   await settled(page);
   assert.notEqual(await pixels(page), begun, "another picture");
   assert.ok(await page.locator(".delta[data-kind=better], .delta[data-kind=worse]").count() > 2);
-  assert.match(await page.locator("#told").textContent(), /CPSNR .* dB, .* (better|worse) than pinned/);
+  await page.waitForFunction(() => /CPSNR .* dB, .* (better|worse) than pinned/.test(document.getElementById("told").textContent));
   // A filter: another shape, then its centre.
   await page.getByRole("radio", { name: "Filter G" }).click();
   await page.getByLabel("Shape of filter G").selectOption("gaussian");

@@ -6,7 +6,9 @@ use anyhow::{Context, bail};
 use clap::Args;
 use serde_json::json;
 use smalti::camera::Camera;
-use smalti::camera::description::CfaDescription;
+use smalti::camera::description::{
+    CameraDescription, CfaDescription, ExposureDescription, IspDescription, SensorDescription,
+};
 use smalti_io::cache::Cache;
 use smalti_io::cameras::LoadedCamera;
 use smalti_io::studio::StudioAsset;
@@ -55,16 +57,17 @@ pub(crate) struct Studio {
 
 pub(crate) fn run(args: &Studio, common: &Common) -> anyhow::Result<()> {
     let camera = start(&args.start, common)?;
-    if let Some(dir) = &args.export {
-        write::ensure_can_fill(dir)?;
-    }
     let toml = designs::own_camera_toml(camera.description()).map_err(anyhow::Error::from)?;
-    let files = studio::files(&toml, light_for(&camera, &resolve::cache(args.no_cache)?, common)?);
+    let cache = resolve::cache(args.no_cache)?;
     if let Some(dir) = &args.export {
+        write::ensure_is_new(dir)?;
+        write::ensure_can_fill(dir)?;
+        let files = studio::files(&toml, light_for(&camera, &cache, common)?);
         write::folder(dir, files.iter().map(|file| (file.path.as_str(), file.content.as_ref())))?;
         return crate::print(&format!("{}\n", dir.join("index.html").display()));
     }
     let server = LocalServer::bind(args.port, None)?;
+    let files = studio::files(&toml, light_for(&camera, &cache, common)?);
     let address = server.url();
     if args.json {
         crate::output::print_document(&format!("{}\n", json!({"address": address})))?;
@@ -78,10 +81,17 @@ pub(crate) fn run(args: &Studio, common: &Common) -> anyhow::Result<()> {
     Ok(server.run(studio::routes(files))?)
 }
 
-/// The light of the scenes behind the lens of a camera, as files of the page. It does not depend on the filters.
+/// The light of the scenes behind the lens of a camera, as files of the page. It depends neither on the filters nor on the processing, so
+/// that cameras share it.
 fn light_for(camera: &Camera, cache: &Cache, common: &Common) -> anyhow::Result<Vec<StudioAsset>> {
-    let mut bare = camera.description().clone();
-    (bare.sensor.cfa, bare.sensor.binning) = (CfaDescription::default(), None);
+    let own = camera.description();
+    let bare = CameraDescription {
+        name: format!("f/{}, {} µm", own.optics.f_number, own.sensor.pixel.pitch_um),
+        sensor: SensorDescription { cfa: CfaDescription::default(), binning: None, ..own.sensor.clone() },
+        exposure: ExposureDescription::default(),
+        isp: IspDescription::default(),
+        ..own.clone()
+    };
     let key = serde_json::to_string(&bare)?;
     if let Some(assets) = cache.studio_assets(&key) {
         return Ok(assets);
@@ -99,7 +109,8 @@ fn start(name: &str, common: &Common) -> anyhow::Result<Camera> {
         loaded.notes.iter().for_each(|text| note(text, common));
         loaded.camera
     };
-    let camera = |name: &str| cameras::load_with_notes(name, &[], None).map(told).map_err(anyhow::Error::from);
+    let camera =
+        |name: &str| cameras::load_with_notes(name, &[], None).map(told).map_err(anyhow::Error::from);
     let folder = Path::new(name);
     if folder.is_dir() {
         let path = folder.join(DESIGNED);

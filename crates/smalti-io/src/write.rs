@@ -21,11 +21,8 @@ impl Drop for Temporary {
     fn drop(&mut self) {
         if !self.keep {
             // Nothing more can be done about what cannot be removed; the write itself has already failed.
-            let _ = if self.path.is_dir() {
-                fs::remove_dir_all(&self.path)
-            } else {
-                fs::remove_file(&self.path)
-            };
+            let _ =
+                if self.path.is_dir() { fs::remove_dir_all(&self.path) } else { fs::remove_file(&self.path) };
         }
     }
 }
@@ -175,24 +172,30 @@ pub(crate) fn create_folder(dir: &Path) -> Result<(), IoError> {
     fs::create_dir_all(dir).map_err(IoError::writing(dir))
 }
 
+/// Finds out, before long work, whether a folder is absent or empty, as [`folder`] needs it.
+///
+/// # Errors
+/// [`IoError::Write`].
+pub fn ensure_is_new(dir: &Path) -> Result<(), IoError> {
+    let io = IoError::writing(dir);
+    match fs::read_dir(dir).map(|mut there| there.next().is_some()) {
+        Ok(true) => {
+            let kind = io::ErrorKind::DirectoryNotEmpty;
+            Err(io(io::Error::new(kind, "the folder is not empty; expected a new or an empty one")))
+        }
+        Err(e) if e.kind() == io::ErrorKind::NotADirectory => Err(io(not_a_folder())),
+        _ => Ok(()),
+    }
+}
+
 /// Writes a folder whole or not at all: its files, by their paths relative to it, go into a folder with a temporary name beside it, which is
 /// then renamed. The folder must be absent or empty.
 ///
 /// # Errors
 /// [`IoError::Write`], also when there is a file or a folder with content in its place.
-pub fn folder<'a>(
-    dir: &Path,
-    files: impl IntoIterator<Item = (&'a str, &'a [u8])>,
-) -> Result<(), IoError> {
+pub fn folder<'a>(dir: &Path, files: impl IntoIterator<Item = (&'a str, &'a [u8])>) -> Result<(), IoError> {
+    ensure_is_new(dir)?;
     let io = IoError::writing(dir);
-    match fs::read_dir(dir).map(|mut there| there.next().is_some()) {
-        Ok(true) => {
-            let kind = io::ErrorKind::DirectoryNotEmpty;
-            return Err(io(io::Error::new(kind, "the folder is not empty; expected a new or an empty one")));
-        }
-        Err(e) if e.kind() == io::ErrorKind::NotADirectory => return Err(io(not_a_folder())),
-        _ => {}
-    }
     // The path as a whole, so that `out/` and `.` have a name and a folder beside them.
     let whole = std::path::absolute(dir).map_err(io)?;
     let around = whole.parent().filter(|_| whole.file_name().is_some());

@@ -30,15 +30,19 @@ fn an_exported_page_needs_nothing_but_its_folder() {
     assert!(place.ok("show deep/site/start.toml --as camera").contains("rgbw"));
     let again = place.run(&["studio", "bayer", "--export", "deep/site"]);
     assert_eq!(again.code, 1);
-    assert!(again.err.contains("deep/site: the folder is not empty; expected a new or an empty one"), "{}", again.err);
+    assert!(
+        again.err.contains("deep/site: the folder is not empty; expected a new or an empty one"),
+        "{}",
+        again.err
+    );
 }
 
 #[test]
 fn it_opens_with_a_camera_a_study_or_what_was_designed() {
     let place = Place::new();
     std::fs::create_dir(place.path("best")).unwrap();
-    let own = place.ok("show phone@quad-bayer --toml");
-    place.write("best/camera.toml", own.replace("name = \"phone\"", "name = \"found\""));
+    let own = place.ok("show bayer@quad-bayer --toml");
+    place.write("best/camera.toml", own.replace("name = \"bayer@quad-bayer\"", "name = \"found\""));
     for (start, name) in [("best", "found"), ("theory", "theory-0"), ("bayer@xtrans", "bayer@xtrans")] {
         place.ok(&format!("studio {start} --export of-{name} -q"));
         let text = String::from_utf8(place.read(&format!("of-{name}/start.toml"))).unwrap();
@@ -47,7 +51,10 @@ fn it_opens_with_a_camera_a_study_or_what_was_designed() {
     std::fs::create_dir(place.path("empty")).unwrap();
     place.write("wrong.toml", "name = \"wrong\"\n[sensor]\nrows = \"many\"\n");
     for (words, expected) in [
-        (&["empty"][..], "empty: the folder has no camera.toml; expected one that `smalti design -o empty` wrote"),
+        (
+            &["empty"][..],
+            "empty: the folder has no camera.toml; expected one that `smalti design -o empty` wrote",
+        ),
         (&["xtrans"], "xtrans is a CFA; expected a camera, a study or a folder"),
         (&["bayr"], "did you mean bayer"),
         (&["wrong.toml"], "wrong.toml:3"),

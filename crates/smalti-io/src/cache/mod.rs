@@ -214,7 +214,8 @@ impl Cache {
         self.kept(EntryKind::StudioLight, key, |path, key| {
             let content = entry::read(path, key)?;
             let (length, rest) = content.split_first_chunk::<8>()?;
-            let (index, mut rest) = rest.split_at_checked(usize::try_from(u64::from_le_bytes(*length)).ok()?)?;
+            let (index, mut rest) =
+                rest.split_at_checked(usize::try_from(u64::from_le_bytes(*length)).ok()?)?;
             let index: Vec<(String, usize)> = serde_json::from_slice(index).ok()?;
             let asset = |(name, bytes)| {
                 let (own, others) = rest.split_at_checked(bytes)?;
@@ -231,7 +232,8 @@ impl Cache {
         if let Ok(index) = serde_json::to_vec(&index) {
             let length = (index.len() as u64).to_le_bytes();
             let head = [&length[..], &index];
-            let pieces: Vec<&[u8]> = head.into_iter().chain(assets.iter().map(|a| a.bytes.as_slice())).collect();
+            let pieces: Vec<&[u8]> =
+                head.into_iter().chain(assets.iter().map(|a| a.bytes.as_slice())).collect();
             self.keep(EntryKind::StudioLight, key, &pieces);
         }
     }

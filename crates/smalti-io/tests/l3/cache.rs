@@ -38,7 +38,9 @@ fn entries(number: u8) -> Entries {
         statistics: statistics(&bayer(), (number > 1).then_some([0.0, 1023.0])),
         pipeline: picture_pipeline().with_refinement((number > 1).then(second_stage)).unwrap(),
         scores: PictureFigures { lights },
-        studio: ["a.json", "b.bin"].map(|name| StudioAsset { name: name.into(), bytes: vec![number; 5] }).to_vec(),
+        studio: ["a.json", "b.bin"]
+            .map(|name| StudioAsset { name: name.into(), bytes: vec![number; 5] })
+            .to_vec(),
     }
 }
 

@@ -100,11 +100,13 @@ async function start() {
   const showScores = () => scores.show(own, store.pinned && !isPinned() ? pin : undefined);
   let drawnMs = 0;
   const caption = (/** @type {Picture} */ p) => `${store.camera.name} · exposed for ${Number(p.exposure_ms.toPrecision(3))} ms · drawn in ${Math.round(drawnMs)} ms`;
-  const clear = () => { if (byId("message", HTMLElement).dataset.kind === "trouble") tell(""); };
+  /** Whether the message shown is about a design that could not be drawn. */
+  let hasFailed = false;
   const compute = setUpWork(engine, () => ({ camera: store.camera, pinned: store.pinned, scene: scene.value, luminance: luminance() }), picture.needsPin, {
     picture(drawn) {
       wait.hidden = true;
-      clear();
+      if (hasFailed) tell("");
+      hasFailed = false;
       // Scores take longer than the picture.
       if (!drawn.scores) drawnMs = drawn.timings_ms.total;
       picture.showOwn(drawn, caption(drawn));
@@ -136,7 +138,10 @@ async function start() {
       if (isChanged) announce(said);
       isChanged = false;
     },
-    failed: (error) => tell(`${message(error)}.`, "trouble"),
+    failed(error) {
+      hasFailed = true;
+      tell(`${message(error)}.`, "trouble");
+    },
   });
   work.again = atFrame(() => {
     delete document.documentElement.dataset.settled;

@@ -39,9 +39,9 @@ const FIELDS = [
 const shown = (value) => String(Math.abs(value) >= 1000 ? Math.round(value) : Number(value.toPrecision(4)));
 
 /** @param {Engine["setups"][number]} setup */
-function setupName({ name, camera }) {
+function setupName({ camera }) {
   const { optics, sensor } = /** @type {Camera} */ (/** @type {unknown} */ (camera));
-  return `${name}: f/${optics.f_number}, ${sensor.pixel.pitch_um} µm`;
+  return `f/${optics.f_number}, ${sensor.pixel.pitch_um} µm`;
 }
 
 /** A choice of a curve by name, and a curve of another kind, which stays. @param {any} filter */
@@ -153,7 +153,7 @@ export function fitted(engine, camera) {
     const pitch = (/** @type {any} */ c) => Math.log(c.sensor.pixel.pitch_um);
     const nearest = engine.setups.reduce((a, b) => (Math.abs(pitch(b.camera) - pitch(camera)) < Math.abs(pitch(a.camera) - pitch(camera)) ? b : a));
     fits = withSetup(fits, nearest);
-    changed.push(`lens and pixel geometry of ${nearest.name}, since the page has no light for its own (f/${camera.optics.f_number}, ${camera.sensor.pixel.pitch_um} µm)`);
+    changed.push(`lens and pixels of ${setupName(nearest)}, since the page has no light for its own (f/${camera.optics.f_number}, ${camera.sensor.pixel.pitch_um} µm)`);
   }
   if (fits.exposure.auto === "luminance" && fits.exposure.time_ms === undefined) {
     fits = withValue(withValue(fits, ["exposure", "auto"], "specular"), ["exposure", "auto_target"], undefined);

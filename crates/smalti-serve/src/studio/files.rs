@@ -74,7 +74,8 @@ pub fn files(start: &str, assets: Vec<StudioAsset>) -> Vec<PageFile> {
     let embedded = EMBEDDED.iter().map(|&(path, content)| (path.to_owned(), Cow::Borrowed(content)));
     let start = (START.to_owned(), Cow::Owned(start.as_bytes().to_vec()));
     let module = (format!("{ENGINE}/studio.wasm.deflate"), Cow::Borrowed(MODULE));
-    let assets = assets.into_iter().map(|asset| (format!("{ENGINE}/{}", asset.name), Cow::Owned(asset.bytes)));
+    let assets =
+        assets.into_iter().map(|asset| (format!("{ENGINE}/{}", asset.name), Cow::Owned(asset.bytes)));
     embedded.chain([start, module]).chain(assets).map(|(path, content)| PageFile { path, content }).collect()
 }
 
@@ -86,8 +87,10 @@ mod tests {
     #[test]
     fn every_file_of_the_page_is_embedded_and_has_a_type() {
         let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/pages/studio");
-        let mut there: Vec<String> =
-            std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+        let mut there: Vec<String> = std::fs::read_dir(folder)
+            .unwrap()
+            .map(|e| e.unwrap().file_name().into_string().unwrap())
+            .collect();
         let mut known: Vec<String> = EMBEDDED.iter().map(|(path, _)| (*path).to_owned()).collect();
         there.sort();
         known.sort();
