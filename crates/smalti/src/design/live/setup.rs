@@ -106,7 +106,8 @@ impl LiveSetup {
             }
         }
         if own.grid()? != self.bare.grid()? {
-            let text = |d: &CameraDescription| format!("{:?}", d.wavelengths_nm.unwrap_or([400.0, 10.0, 700.0]));
+            let text =
+                |d: &CameraDescription| format!("{:?}", d.wavelengths_nm.unwrap_or([400.0, 10.0, 700.0]));
             return Err(differs("wavelengths_nm", text(&own), text(&self.bare)));
         }
         if own.optics != self.bare.optics {

@@ -108,7 +108,8 @@ impl Improvement {
         let is_free = self.parameters.iter().any(|p| !p.is_empty());
         // Filters first, and again after each better mosaic.
         if is_free && self.idle == 0 {
-            let (parameters, cost) = self.search().search(&self.mosaic, self.parameters.clone(), DESCENT, &|| false);
+            let (parameters, cost) =
+                self.search().search(&self.mosaic, self.parameters.clone(), DESCENT, &|| false);
             if cost < self.cost {
                 (self.parameters, self.cost) = (parameters, cost);
             }
@@ -143,7 +144,8 @@ impl Improvement {
         let free: Vec<usize> = (0..cells.len()).filter(|cell| !self.is_kept(*cell)).collect();
         let mut all: Vec<Vec<u8>> = Vec::new();
         let mut random = Stream::new(0, PURPOSE, self.steps as u32);
-        let mut any = |count: usize| ((random.uniform() * count as f64) as usize).min(count.saturating_sub(1));
+        let mut any =
+            |count: usize| ((random.uniform() * count as f64) as usize).min(count.saturating_sub(1));
         if free.is_empty() || channels < 2 {
             return Vec::new();
         }
@@ -193,8 +195,14 @@ impl Improvement {
     /// # Errors
     /// When a parameter is not finite.
     pub fn transmittances(&self) -> Result<Vec<Spectrum>, DesignError> {
-        let spectrum = |values| Spectrum::new(self.space.grid(), values).map_err(crate::camera::CameraError::from);
-        Ok(self.search().transmittances(&self.parameters).into_iter().map(spectrum).collect::<Result<_, _>>()?)
+        let spectrum =
+            |values| Spectrum::new(self.space.grid(), values).map_err(crate::camera::CameraError::from);
+        Ok(self
+            .search()
+            .transmittances(&self.parameters)
+            .into_iter()
+            .map(spectrum)
+            .collect::<Result<_, _>>()?)
     }
 
     /// The expected errors of the array so far, one for each condition of each screen.
