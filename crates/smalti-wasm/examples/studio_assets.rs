@@ -10,7 +10,8 @@ use smalti_io::{cameras, studio};
 fn main() -> Result<(), Box<dyn Error>> {
     let mut args = std::env::args().skip(1);
     let folder = args.next().ok_or("expected a folder")?;
-    let camera = cameras::load(args.next().as_deref().unwrap_or("bayer"), &[], None).map_err(|e| e.to_string())?;
+    let camera =
+        cameras::load(args.next().as_deref().unwrap_or("bayer"), &[], None).map_err(|e| e.to_string())?;
     fs::create_dir_all(&folder)?;
     for asset in studio::assets(&camera, &Silent)? {
         fs::write(Path::new(&folder).join(&asset.name), &asset.bytes)?;

@@ -81,7 +81,6 @@ pub enum StudioAssetError {
 pub fn assets(camera: &Camera, progress: &dyn Progress) -> Result<Vec<StudioAsset>, StudioAssetError> {
     let illuminant = Illuminant::D65;
     let setup = LiveSetup::new(camera.description(), illuminant.clone(), learning());
-    setup.ensure_fits(camera.description())?;
     progress.expect(SCENES.len() as u64 + 1);
     let scenes: Vec<(Value, StudioAsset)> = SCENES
         .par_iter()
@@ -89,7 +88,8 @@ pub fn assets(camera: &Camera, progress: &dyn Progress) -> Result<Vec<StudioAsse
             if progress.is_stopped() {
                 return Err(ExperimentError::Stopped.into());
             }
-            let scene = LiveScene { name: (*id).into(), ..setup.scene(&scene(catalogue, &illuminant)?, COMPONENTS)? };
+            let scene =
+                LiveScene { name: (*id).into(), ..setup.scene(&scene(catalogue, &illuminant)?, COMPONENTS)? };
             let planes = &scene.scene.light.planes;
             let set = if rendered::find(catalogue).is_some() { "natural" } else { "charts" };
             let file = format!("{id}.bin");

@@ -6,9 +6,10 @@
 // default. The tile is `sensor.cfa.pattern`, the filters are `sensor.cfa.filters`.
 //
 // What is live, and what the assets fix: the light of the scenes on the pixels is gathered once, behind one lens and on one pixel
-// geometry. `optics` (except `transmittance` and `ir_cut`), `sensor.pixel.pitch_um`, `sensor.pixel.fill_factor`, `sensor.rows`,
-// `sensor.cols` and `wavelengths_nm` of a design are therefore those of one of the setups in `engine.setups`; a design with other values
-// is refused with a message that names the key. All other keys of the sensor, of the lens's transmittance and of the exposure are live.
+// geometry. `optics` (except `transmittance` and `ir_cut`), `sensor.pixel.pitch_um`, `sensor.pixel.fill_factor` and `wavelengths_nm` of a
+// design are therefore those of one of the setups in `engine.setups`; a design with other values is refused with a message that names the
+// key. All other keys of the sensor, the transmittance of the lens and the exposure are live. Pictures have the size of the scene, whatever
+// `sensor.rows` and `sensor.cols` say. Pipelines are learned from statistics of light, which hold for a mosaic without crosstalk and binning.
 
 /**
  * The transmittance of a filter: one key, such as `{ gaussian: { center_nm: 540, sigma_nm: 35, peak: 0.9 } }`.
@@ -159,7 +160,7 @@ class Latest {
   #is_busy = false;
 
   /**
-   * The result of `work`, or null when a newer request came before its turn or while it was at work.
+   * The result of `work`, or null when a newer request came before its turn.
    * @template T @param {() => Promise<T>} work @returns {Promise<T | null>}
    */
   run(work) {

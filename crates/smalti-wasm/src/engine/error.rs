@@ -42,7 +42,7 @@ impl fmt::Display for EngineError {
             Self::TooLong { bytes, limit } => {
                 write!(f, "the request has {bytes} bytes; expected at most {limit}")
             }
-            Self::Missing(what) => write!(f, "{what}: it was not loaded"),
+            Self::Missing(what) => write!(f, "{what} is missing; expected before this request"),
             Self::NoScene(name) => write!(f, "scene: there is no scene '{name}'"),
             Self::NoLock(what) => write!(f, "locks: {what}"),
             Self::Text(diagnostic) => diagnostic.fmt(f),

@@ -153,7 +153,9 @@ pub(super) fn curves(camera: &Camera, illuminant: &Illuminant) -> Result<Curves,
     };
     let [x, y, z] = weights.map(|w| w.values().to_vec());
     let mosaic = cfa.mosaic();
-    let name = |row, col| cfa.channels().get(mosaic.channel_at(row, col)).map_or_else(String::new, |c| c.name.clone());
+    let name = |row, col| {
+        cfa.channels().get(mosaic.channel_at(row, col)).map_or_else(String::new, |c| c.name.clone())
+    };
     Ok(Curves {
         wavelengths_nm: grid.wavelengths_nm().collect(),
         channels: cfa.channels().iter().zip(responses).map(channel).collect::<Result<_, _>>()?,
@@ -161,7 +163,9 @@ pub(super) fn curves(camera: &Camera, illuminant: &Illuminant) -> Result<Curves,
         lens_transmittance: lens.values().to_vec(),
         light: relative(&light),
         observer: ObserverCurves { x, y, z },
-        mosaic: (0..mosaic.rows()).map(|row| (0..mosaic.cols()).map(|col| name(row, col)).collect()).collect(),
+        mosaic: (0..mosaic.rows())
+            .map(|row| (0..mosaic.cols()).map(|col| name(row, col)).collect())
+            .collect(),
     })
 }
 

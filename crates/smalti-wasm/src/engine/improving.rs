@@ -5,7 +5,9 @@ use smalti::camera::description::{CfaDescription, PatternDescription};
 use smalti::camera::{Camera, CameraDescription};
 use smalti::design::light::LightStatistics;
 use smalti::design::screen::Screen;
-use smalti::design::search::{Dichroic, FilterSpace, FreeCurves, Improvement, Locks, Objective, Over, Pigments};
+use smalti::design::search::{
+    Dichroic, FilterSpace, FreeCurves, Improvement, Locks, Objective, Over, Pigments,
+};
 use smalti::sensor::Filter;
 
 use super::EngineError;

@@ -124,13 +124,18 @@ impl Engine {
             Request::Scores(request) => {
                 let camera = camera(request.design)?;
                 let observer = self.observer(&camera)?;
-                let statistics = self.statistics.as_ref().ok_or(EngineError::Missing("the statistics of light"))?;
-                let wanted = figures::Wanted { luminances_cd_m2: &request.luminances_cd_m2, derivatives: request.derivatives };
+                let statistics =
+                    self.statistics.as_ref().ok_or(EngineError::Missing("the statistics of light"))?;
+                let wanted = figures::Wanted {
+                    luminances_cd_m2: &request.luminances_cd_m2,
+                    derivatives: request.derivatives,
+                };
                 Answer::of(&figures::scores(&camera, statistics, &observer, wanted)?)
             }
             Request::Curves { design } => Answer::of(&figures::curves(&camera(design)?, &Illuminant::D65)?),
             Request::Improve(request) => {
-                let statistics = self.statistics.as_ref().ok_or(EngineError::Missing("the statistics of light"))?;
+                let statistics =
+                    self.statistics.as_ref().ok_or(EngineError::Missing("the statistics of light"))?;
                 let design = text::description(request.design.clone())?;
                 let improving = Improving::new(design, statistics, &request)?;
                 let step = improving.said()?;
@@ -169,8 +174,7 @@ impl Engine {
             let design = self.learner()?.learn(&description, request.luminance_cd_m2, request.seed)?;
             self.learned = Some(Learned { key, design });
         }
-        let learned = self.learned.as_ref().ok_or(EngineError::Missing("a pipeline"))?;
-        Answer::of(&json!({"warnings": warnings::of_camera(learned.design.camera())?}))
+        Answer::of(&json!({}))
     }
 
     /// The picture; with it the reference if it is asked for.
@@ -183,12 +187,13 @@ impl Engine {
             let pictures = LivePictures::new(waiting, &setup.illuminant, &setup.camera()?)?;
             self.scenes.insert(request.scene.clone(), pictures);
         }
-        let scene = self.scenes.get_mut(&request.scene).ok_or_else(|| EngineError::NoScene(request.scene.clone()))?;
+        let scene =
+            self.scenes.get_mut(&request.scene).ok_or_else(|| EngineError::NoScene(request.scene.clone()))?;
         let noise = if request.noise { NoiseMode::All } else { NoiseMode::None };
         let picture = scene.picture(&learned.design, request.crop, noise, request.seed)?;
-        let mut bytes = scene.rgba8(&picture.picture)?;
+        let mut bytes = scene.rgba8(&picture)?;
         if request.reference {
-            bytes.append(&mut scene.rgba8(&scene.reference(request.crop)?)?);
+            bytes.append(&mut scene.reference_rgba8(request.crop)?);
         }
         let mut found = warnings::of_camera(learned.design.camera())?;
         found.extend(warnings::of_capture(picture.saturated_percent));
@@ -210,7 +215,8 @@ impl Engine {
             self.draw(request)?;
         }
         let drawn = self.drawn.as_ref().ok_or(EngineError::Missing("a picture"))?;
-        let scene = self.scenes.get_mut(&request.scene).ok_or_else(|| EngineError::NoScene(request.scene.clone()))?;
+        let scene =
+            self.scenes.get_mut(&request.scene).ok_or_else(|| EngineError::NoScene(request.scene.clone()))?;
         let scores = scene.scores(&drawn.picture)?;
         let bytes = scores.delta_e_2000_map.data().iter().flat_map(|v| v.to_le_bytes()).collect();
         Ok(Answer { said: serde_json::to_value(&scores)?, bytes })

@@ -15,6 +15,7 @@ mod conversion_gain;
 mod design_filters;
 mod design_learned;
 mod design_light_statistics;
+mod design_live;
 mod design_mosaics;
 mod design_preview;
 mod design_proof;

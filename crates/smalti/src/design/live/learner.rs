@@ -10,6 +10,7 @@ use crate::camera::{Camera, CameraError};
 use crate::design::imaged_scene::ImagedScene;
 use crate::design::pipeline_trainer::PipelineTrainer;
 use crate::design::pixel_light::PixelLight;
+use crate::design::targets::has_independent_samples;
 use crate::design::training_data::TrainingLight;
 use crate::l3::Pipeline;
 use crate::numeric::Planes;
@@ -98,6 +99,10 @@ impl LiveLearner {
         self.setup.ensure_fits(description)?;
         let camera = Camera::new(description.clone(), self.setup.bare.grid()?)?;
         camera.ensure_one_gain()?;
+        if !has_independent_samples(&camera.sensor) {
+            let message = "pipelines are learned from statistics of light, which hold for a mosaic without crosstalk and binning";
+            return Err(CameraError::Key { key: "sensor".into(), message: message.into() });
+        }
         Ok(camera)
     }
 

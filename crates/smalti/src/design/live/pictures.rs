@@ -37,8 +37,10 @@ pub struct LiveCrop {
 /// A picture of a scene by a design.
 #[derive(Debug, Clone)]
 pub struct LivePicture {
-    /// X, Y, Z under the illuminant of the scene, on the scale of [`LivePictures::reference`].
+    /// X, Y, Z under the illuminant of the scene, on the scale of the exposure.
     pub picture: Image,
+    /// The factor from [`LivePictures::reference`] to the scale of the exposure.
+    pub scale: f64,
     /// The part of the scene that it shows.
     pub crop: LiveCrop,
     /// The exposure time, s.
@@ -122,13 +124,18 @@ impl LivePictures {
         sensor.window = Some(window);
         let raw = sensor.capture(&*pixels, &exposure, noise, seed)?;
         let rendered = Isp::render(&pipeline.renderer(), &raw)?;
-        // The scale of the reference: that of the scene at 1 cd/m².
+        // The reference is that of the scene at 1 cd/m².
         let y = &Observer::Cie1931.photon_weights(camera.grid())?[LUMINANCE];
         let scale = camera.exposure_scale(&exposure, &self.photons, y)? * design.luminance_cd_m2;
         let own = LiveCrop { row: crop.row - window.row, col: crop.col - window.col, ..crop };
-        let picture = part(&rendered, own)?.scaled(1.0 / scale);
         let saturated_percent = raw.saturated_percent();
-        Ok(LivePicture { picture, crop, time_s: exposure.time_s, saturated_percent })
+        Ok(LivePicture {
+            picture: part(&rendered, own)?,
+            scale,
+            crop,
+            time_s: exposure.time_s,
+            saturated_percent,
+        })
     }
 
     /// What the standard observer sees of a part of the scene, X, Y, Z, without noise.
@@ -139,13 +146,25 @@ impl LivePictures {
         part(&self.seen, self.checked(crop)?)
     }
 
-    /// A picture or reference as RGBA, row by row: in sRGB, adapted to the white of the scene. The brightness is that at which the reference of the
+    /// A picture as RGBA, row by row: in sRGB, adapted to the white of the scene. The brightness is that at which the reference of the
     /// whole scene fits the display, for all pictures of the scene.
     ///
     /// # Errors
     /// When the picture is not in X, Y, Z.
-    pub fn rgba8(&self, picture: &Image) -> Result<Vec<u8>, CameraError> {
-        let rgb = picture.shown(Some(self.white), self.gain)?.rgb8();
+    pub fn rgba8(&self, picture: &LivePicture) -> Result<Vec<u8>, CameraError> {
+        self.shown(&picture.picture, 1.0 / picture.scale)
+    }
+
+    /// The reference as RGBA, like a picture.
+    ///
+    /// # Errors
+    /// When the part is not within the scene.
+    pub fn reference_rgba8(&self, crop: Option<LiveCrop>) -> Result<Vec<u8>, CameraError> {
+        self.shown(&self.reference(crop)?, 1.0)
+    }
+
+    fn shown(&self, image: &Image, factor: f64) -> Result<Vec<u8>, CameraError> {
+        let rgb = image.shown(Some(self.white), factor * self.gain)?.rgb8();
         Ok(rgb.as_chunks().0.iter().flat_map(|&[r, g, b]| [r, g, b, u8::MAX]).collect())
     }
 
@@ -163,7 +182,7 @@ impl LivePictures {
                 keep(&mut self.references, picture.crop, Arc::new(made))
             }
         };
-        reference.score(&picture.picture)
+        reference.score(&picture.picture.clone().scaled(1.0 / picture.scale))
     }
 
     fn checked(&self, crop: Option<LiveCrop>) -> Result<LiveCrop, CameraError> {

@@ -1,0 +1,234 @@
+//! The engine of the studio without a browser: answers are those of the library, and no input makes it panic.
+#![allow(clippy::unwrap_used)]
+
+use std::path::Path;
+use std::sync::OnceLock;
+
+use serde_json::{Value, json};
+use smalti::camera::{Camera, CameraDescription, ColorimetricObserver, TestScene};
+use smalti::design::LearningSettings;
+use smalti::design::light::LightStatistics;
+use smalti::design::live::{LiveLearner, LivePictures, LiveScene, LiveSetup, LiveTraining};
+use smalti::design::screen::ScreenCondition;
+use smalti::experiment::{Resources, analyse_design, light_statistics};
+use smalti::sensor::NoiseMode;
+use smalti::spectrum::{Illuminant, WavelengthGrid};
+use smalti_io::{cameras, light, studio};
+use smalti_wasm::{Answer, Engine, StudioFile};
+
+struct Files {
+    camera: CameraDescription,
+    scene: LiveScene,
+    training: LiveTraining,
+    statistics: LightStatistics,
+}
+
+fn files() -> &'static Files {
+    static FILES: OnceLock<Files> = OnceLock::new();
+    FILES.get_or_init(|| {
+        let camera = cameras::load("bayer", &[], None).unwrap();
+        let learning = LearningSettings { side: 3, levels: 2, size_px: 64, ..LearningSettings::default() };
+        let setup = LiveSetup::new(camera.description(), Illuminant::D65, learning);
+        let scene = TestScene::built_in("dead-leaves?rows=64&cols=96&seed=3");
+        let settings =
+            smalti::design::light::LightSettings { side: 3, max_components: 6, ..Default::default() };
+        let charts = smalti::scene::catalog::build_natural("macbeth?patch=16", &Default::default()).unwrap();
+        Files {
+            scene: setup.scene(&scene, 6).unwrap(),
+            training: setup.training(6).unwrap(),
+            statistics: light_statistics(
+                &camera,
+                &Illuminant::D65,
+                Some(&[charts]),
+                &settings,
+                Resources::default(),
+            )
+            .unwrap(),
+            camera: camera.description().clone(),
+        }
+    })
+}
+
+fn engine() -> Engine {
+    let Files { scene, training, statistics, .. } = files();
+    let mut engine = Engine::default();
+    let path = Path::new("test");
+    engine.load(StudioFile::Scene, &studio::scene_to_bytes(scene, path).unwrap()).unwrap();
+    engine.load(StudioFile::Training, &studio::training_to_bytes(training, path).unwrap()).unwrap();
+    engine.load(StudioFile::Statistics, &light::to_bytes(statistics, path).unwrap()).unwrap();
+    engine
+}
+
+fn ask(engine: &mut Engine, request: &Value) -> Answer {
+    engine.ask(request.to_string().as_bytes()).unwrap()
+}
+
+fn refused(engine: &mut Engine, request: &Value) -> String {
+    engine.ask(request.to_string().as_bytes()).unwrap_err().to_string()
+}
+
+#[test]
+fn pictures_are_those_of_the_library_bit_for_bit() {
+    let Files { camera, scene, training, .. } = files();
+    let name = scene.name.clone();
+    let mut engine = engine();
+    let request = |part: &str, reference: bool| json!({part: {"design": camera, "scene": name, "luminance_cd_m2": 5.0, "seed": 3, "reference": reference}});
+    let drawn = ask(&mut engine, &request("draw", true));
+    let mut learner = LiveLearner::new(training.clone()).unwrap();
+    let design = learner.learn(camera, 5.0, 3).unwrap();
+    let bare = learner.setup().camera().unwrap();
+    let mut pictures = LivePictures::new(scene.clone(), &Illuminant::D65, &bare).unwrap();
+    let picture = pictures.picture(&design, None, NoiseMode::All, 3).unwrap();
+    let both = [pictures.rgba8(&picture).unwrap(), pictures.reference_rgba8(None).unwrap()].concat();
+    assert_eq!((drawn.said["height"].as_u64(), drawn.said["width"].as_u64()), (Some(32), Some(48)));
+    assert!(drawn.bytes == both);
+    assert_eq!(drawn.said["exposure_ms"], json!(100.0));
+    let measured = ask(&mut engine, &request("measure", false));
+    let scores = pictures.scores(&picture).unwrap();
+    assert_eq!(measured.said["cpsnr_db"].as_f64(), Some(scores.cpsnr_db));
+    assert_eq!(measured.said["scielab_mean"].as_f64(), Some(scores.scielab_mean));
+    assert_eq!(measured.bytes.len(), 4 * 32 * 48);
+    // The answer as bytes.
+    let bytes = drawn.to_bytes();
+    let length = u32::from_le_bytes(bytes[..4].try_into().unwrap()) as usize;
+    assert_eq!(serde_json::from_slice::<Value>(&bytes[4..4 + length]).unwrap(), drawn.said);
+    assert!(bytes[4 + length..] == drawn.bytes);
+}
+
+#[test]
+fn scores_are_those_of_the_command() {
+    let Files { camera, statistics, .. } = files();
+    let luminances = [1.0, 10.0];
+    let request = json!({"scores": {"design": camera, "luminances_cd_m2": luminances, "derivatives": true}});
+    let said = ask(&mut engine(), &request).said;
+    let resolved = Camera::new(camera.clone(), WavelengthGrid::VISIBLE).unwrap();
+    let conditions = luminances.map(|l| ScreenCondition::of_camera(&resolved, l, 0.033));
+    let analysis = analyse_design(&resolved, statistics, &conditions, 1.0, &resolved.sensor.cfa).unwrap();
+    let near = |found: &Value, expected: f64| {
+        let found = found.as_f64().unwrap();
+        assert!((found - expected).abs() < 1e-6 * expected.abs().max(1.0), "{found} {expected}");
+    };
+    for (at, expected) in analysis.expected.iter().enumerate() {
+        let found = &said["expected"][at];
+        near(&found["luminance_cd_m2"], luminances[at]);
+        near(&found["cpsnr_db"], expected.cpsnr_db);
+        near(&found["delta_e_2000"], expected.delta_e_2000);
+        near(&found["scielab"], expected.scielab);
+        near(&found["detail_db"], expected.detail_db);
+    }
+    let observer =
+        ColorimetricObserver::new(&Illuminant::D65.photons(WavelengthGrid::VISIBLE).unwrap()).unwrap();
+    let figures = resolved.array_figures(&observer).unwrap();
+    near(&said["array"]["vora_value"], figures.colorimetry.vora_value);
+    near(&said["array"]["photon_efficiency"], figures.photon_efficiency);
+    near(&said["array"]["condition_number"], figures.condition_number.unwrap());
+    // The derivative is that of a small change of the filter.
+    let green = |by: f64| {
+        let mut changed = camera.clone();
+        let channel = resolved.sensor.cfa.channels().iter().find(|c| c.name == "G").unwrap();
+        let mut values = channel.transmittance.values().to_vec();
+        values[14] += by;
+        changed.sensor.cfa.filters =
+            ["R", "B"].map(|l| (l.into(), smalti::sensor::Filter::Builtin(format!("pigment/{l}")))).into();
+        let grid = WavelengthGrid::VISIBLE;
+        let samples =
+            smalti::sensor::Filter::Samples { start_nm: grid.start_nm(), step_nm: grid.step_nm(), values };
+        changed.sensor.cfa.filters.insert("G".into(), samples);
+        let request = json!({"scores": {"design": changed, "luminances_cd_m2": [1.0], "derivatives": true}});
+        ask(&mut engine(), &request).said
+    };
+    let (less, at, more) = (green(-1e-4), green(0.0), green(1e-4));
+    let value = |said: &Value| said["expected"][0]["cpsnr_db"].as_f64().unwrap();
+    let expected = (value(&more) - value(&less)) / 2e-4;
+    let found = at["derivatives"]["cpsnr_db"]["G"][14].as_f64().unwrap();
+    assert!((found - expected).abs() < 1e-4 * expected.abs(), "{found} {expected}");
+}
+
+#[test]
+fn camera_files_read_back() {
+    let mut engine = engine();
+    let design = json!(files().camera);
+    let toml = ask(&mut engine, &json!({"camera_toml": {"design": design}})).said["toml"].clone();
+    assert_eq!(ask(&mut engine, &json!({"parse": {"text": toml}})).said["design"], design);
+    let curves = ask(&mut engine, &json!({"curves": {"design": design}})).said;
+    assert_eq!(curves["mosaic"].as_array().unwrap().len(), 2);
+    assert_eq!(curves["channels"].as_array().unwrap().len(), 3);
+    assert_eq!(curves["wavelengths_nm"].as_array().unwrap().len(), 31);
+    let catalogue = ask(&mut engine, &json!({"catalogue": {}})).said;
+    assert!(catalogue["cfas"].as_array().unwrap().iter().any(|c| c["name"] == "rgbw"));
+}
+
+#[test]
+fn improvements_go_on_and_keep_locks() {
+    let mut engine = engine();
+    assert!(refused(&mut engine, &json!({"step": {}})).contains("improvement"));
+    let design = json!(files().camera);
+    let begin = |locks: Value| json!({"improve": {"design": design, "locks": locks, "luminances_cd_m2": [2.0, 20.0]}});
+    let mut step = ask(&mut engine, &begin(json!({"filters": ["G"], "mosaic": true}))).said;
+    for _ in 0..8 {
+        let next = ask(&mut engine, &json!({"step": {}})).said;
+        assert!(next["cost"].as_f64().unwrap() <= step["cost"].as_f64().unwrap());
+        step = next;
+    }
+    assert_eq!(step["design"]["sensor"]["cfa"]["pattern"].as_array().unwrap().len(), 2);
+    assert_eq!(step["step"], json!(8));
+    // The design of a step is one that the engine draws.
+    let request =
+        json!({"learn": {"design": step["design"], "scene": files().scene.name, "luminance_cd_m2": 5.0}});
+    ask(&mut engine, &request);
+    assert!(refused(&mut engine, &begin(json!({"filters": ["W"]}))).contains("'W'"));
+    assert!(refused(&mut engine, &begin(json!({"cells": [[0, 2]]}))).contains("2 × 2"));
+}
+
+#[test]
+fn what_is_wrong_is_told() {
+    let mut engine = engine();
+    let Files { camera, scene, .. } = files();
+    let with = |path: &[&str], value: Value| {
+        let mut design = json!(camera);
+        let mut at = &mut design;
+        for key in path {
+            at = &mut at[*key];
+        }
+        *at = value;
+        json!({"draw": {"design": design, "scene": scene.name, "luminance_cd_m2": 5.0}})
+    };
+    let key = refused(&mut engine, &with(&["sensor", "pixel", "pich_um"], json!(2.2)));
+    assert!(key.contains("pich_um") && key.contains("pitch_um"), "{key}");
+    let key = refused(&mut engine, &with(&["optics", "f_number"], json!("wide")));
+    assert!(key.contains("f_number") || key.contains("wide"), "{key}");
+    assert!(refused(&mut engine, &with(&["sensor", "pixel", "pitch_um"], json!(1.0))).contains("pitch_um"));
+    assert!(
+        refused(&mut engine, &with(&["sensor", "cfa", "pattern"], json!(["RG", "B"]))).contains("pattern")
+    );
+    assert!(refused(&mut engine, &with(&["sensor", "adc_bits"], json!(99))).contains("adc_bits"));
+    assert!(refused(&mut engine, &json!({"paint": {}})).contains("unknown variant"));
+    assert!(refused(&mut engine, &json!({"curves": {"design": [1, null]}})).len() > 10);
+    assert!(
+        refused(&mut engine, &json!({"parse": {"text": "[sensor]\nrowz = 4"}})).contains("camera.toml:2")
+    );
+    let huge = "x".repeat(5 << 20);
+    assert!(refused(&mut engine, &json!({"parse": {"text": huge}})).contains("at most"));
+    // A request that is cut anywhere.
+    let whole = with(&["name"], json!("a")).to_string();
+    for end in (0..whole.len()).step_by(7) {
+        assert!(engine.ask(&whole.as_bytes()[..end]).is_err(), "{end}");
+    }
+    // Deep nesting.
+    let deep = format!("{}{}", "[".repeat(100_000), "]".repeat(100_000));
+    assert!(engine.ask(format!("{{\"curves\":{{\"design\":{deep}}}}}").as_bytes()).is_err());
+    assert!(engine.ask(whole.as_bytes()).is_ok());
+    // Files that were not loaded, or are damaged.
+    assert!(
+        refused(&mut Engine::default(), &with(&["name"], json!("a")))
+            .contains("expected before this request")
+    );
+    let bytes = studio::training_to_bytes(&files().training, Path::new("test")).unwrap();
+    for at in (0..bytes.len()).step_by(bytes.len() / 23) {
+        let mut damaged = bytes.clone();
+        damaged[at] ^= 0x10;
+        assert!(engine.load(StudioFile::Training, &damaged).is_err(), "byte {at}");
+        assert!(engine.load(StudioFile::Training, &bytes[..at]).is_err(), "{at} bytes");
+    }
+    assert!(engine.load(StudioFile::Scene, &bytes).unwrap_err().to_string().contains("smalti-studio-scene"));
+}

@@ -1,0 +1,200 @@
+// The engine of the studio in a browser: what it answers, how fast, and what it refuses.
+import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
+import { createServer } from "node:http";
+import { mkdtemp, readFile, rm } from "node:fs/promises";
+import { tmpdir } from "node:os";
+import { basename, extname, join, resolve } from "node:path";
+import { after, before, test } from "node:test";
+import { launch } from "./browser.mjs";
+
+const here = import.meta.dirname;
+const pages = join(here, "../../crates/smalti-serve/pages/studio");
+const module = process.env.SMALTI_STUDIO_MODULE ?? join(here, "../../crates/smalti-serve/vendor/studio.wasm.deflate");
+const maker = resolve(process.env.SMALTI_STUDIO_ASSETS ?? join(here, "../../target/debug/examples/studio_assets"));
+const TYPES = { ".js": "text/javascript", ".html": "text/html", ".json": "application/json" };
+const POLICY = "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; worker-src 'self'; connect-src 'self'";
+// Times are those of a machine that does something else as well: the best of some runs is held against the limits.
+const RUNS = 3;
+
+let dir;
+let server;
+let browser;
+let page;
+const faults = [];
+
+before(async () => {
+  dir = await mkdtemp(join(tmpdir(), "smalti-engine-"));
+  execFileSync(maker, [dir], { encoding: "utf8" });
+  const file = (url) => {
+    const name = basename(new URL(url, "http://a").pathname);
+    if (name === "studio.wasm.deflate") return module;
+    return join([".js"].includes(extname(name)) ? pages : dir, name);
+  };
+  server = createServer(async (request, response) => {
+    try {
+      const name = request.url === "/" ? null : file(request.url);
+      const body = name ? await readFile(name) : "<!doctype html><title>engine</title>";
+      const type = TYPES[name ? extname(name) : ".html"] ?? "application/octet-stream";
+      response.writeHead(200, { "content-type": type, "content-security-policy": POLICY }).end(body);
+    } catch {
+      response.writeHead(404).end();
+    }
+  });
+  await new Promise((done) => { server.listen(0, "127.0.0.1", done); });
+  browser = await launch();
+  page = await browser.newPage();
+  page.on("pageerror", (e) => faults.push(String(e)));
+  page.on("console", (m) => { if (m.type() === "error") faults.push(m.text()); });
+  await page.goto(`http://127.0.0.1:${server.address().port}/`);
+});
+after(async () => {
+  await browser?.close();
+  server?.close();
+  await rm(dir, { recursive: true, force: true });
+});
+
+// Begins with a loaded engine `engine`, its camera `camera`, and `blue`: the camera with another blue filter.
+const begun = () => page.evaluate(async () => {
+  const start = performance.now();
+  const { Engine } = await import("/engine.js");
+  const engine = await Engine.start("/assets/");
+  const [{ camera }] = engine.setups;
+  const picture = await engine.draw({ design: camera, scene: engine.scenes[0].id, luminance: 10, crop: { row: 0, col: 0, rows: 192, cols: 256 } });
+  window.engine = engine;
+  window.camera = camera;
+  window.with_filter = (letter, filter) => ({
+    ...camera,
+    sensor: { ...camera.sensor, cfa: { pattern: ["GR", "BG"], filters: { R: { builtin: "pigment/R" }, G: { builtin: "pigment/G" }, B: { builtin: "pigment/B" }, [letter]: filter } } },
+  });
+  return { ms: performance.now() - start, scenes: engine.scenes, width: picture.width, height: picture.height, bytes: picture.rgba.length };
+});
+
+const stated = (times) => {
+  const sorted = [...times].sort((a, b) => a - b);
+  const at = (share) => sorted[Math.min(sorted.length - 1, Math.ceil(share * sorted.length) - 1)];
+  return { median: at(0.5), p95: at(0.95), most: sorted.at(-1) };
+};
+const text = ({ median, p95, most }) => `${median.toFixed(1)} ms in the median, ${p95.toFixed(1)} ms in 95 %, at most ${most.toFixed(1)} ms`;
+
+test("the first picture is there within two seconds", async () => {
+  const first = await begun();
+  console.log(`# from the import of the engine to the first picture: ${first.ms.toFixed(0)} ms`);
+  assert.ok(first.scenes.length >= 4, JSON.stringify(first.scenes));
+  assert.deepEqual(new Set(first.scenes.map((s) => s.set)), new Set(["charts", "natural"]));
+  assert.equal(first.bytes, 4 * first.width * first.height);
+  assert.ok(first.ms <= 2000, `${first.ms}`);
+});
+
+test("a changed filter gives a new learned picture of 256 × 256 pixels in a twentieth of a second", async () => {
+  let best = null;
+  for (let run = 0; run < RUNS && !(best?.p95 <= 50); run += 1) {
+    const times = await page.evaluate(async () => {
+      const all = [];
+      const scene = engine.scenes.find((s) => s.width >= 256 && s.height >= 256);
+      for (let i = 0; i < 60; i += 1) {
+        const design = with_filter("R", { gaussian: { center_nm: 590 + i, sigma_nm: 35, peak: 0.9 } });
+        const start = performance.now();
+        const picture = await engine.draw({ design, scene: scene.id, luminance: 10, crop: { row: 0, col: 16, rows: 256, cols: 256 } });
+        all.push([performance.now() - start, picture.timings_ms.learn, picture.timings_ms.draw]);
+      }
+      // The first one learns the mosaic and gathers the light.
+      return all.slice(5);
+    });
+    const found = stated(times.map(([ms]) => ms));
+    const part = (i) => stated(times.map((t) => t[i])).median.toFixed(1);
+    console.log(`# picture after a change of a filter: ${text(found)}; learning ${part(1)} ms, capture and rendering ${part(2)} ms`);
+    if (!best || found.p95 < best.p95) best = found;
+  }
+  assert.ok(best.median <= 50 && best.p95 <= 50, text(best));
+});
+
+test("the whole view takes half a second, whatever changes", async () => {
+  const changes = {
+    filter: `(i) => [with_filter("G", { gaussian: { center_nm: 520 + i, sigma_nm: 35, peak: 0.9 } }), 10]`,
+    luminance: `(i) => [with_filter("G", { builtin: "pigment/G" }), 3 * 1.1 ** i]`,
+    "read noise": `(i) => { const d = structuredClone(with_filter("G", { builtin: "pigment/G" })); d.sensor.pixel.read_noise_mv = 0.5 + i / 20; return [d, 10]; }`,
+    cell: `(i) => { const d = structuredClone(with_filter("G", { builtin: "pigment/G" })); const n = i + 21; d.sensor.cfa.pattern = Array.from({ length: 4 }, (_, r) => Array.from({ length: 4 }, (_, c) => "RGBG"[(r * r * n + c * (n >> 1) + ((n >> (r + c)) & 1)) % 4]).join("")).map((line, r) => ["R", "G", "B", "G"][r] + line.slice(1)); return [d, 10]; }`,
+    "the size of the tile": `(i) => { const d = structuredClone(with_filter("G", { builtin: "pigment/G" })); const [rows, cols] = [2 + i % 5, 2 + ((i / 5) | 0)]; d.sensor.cfa.pattern = Array.from({ length: rows }, (_, r) => Array.from({ length: cols }, (_, c) => "RGBG"[(2 * r + c) % 4]).join("")); return [d, 10]; }`,
+  };
+  const failed = [];
+  for (const [what, change] of Object.entries(changes)) {
+    const times = await page.evaluate(`(async () => {
+      const change = ${change};
+      const all = [];
+      const scene = engine.scenes[0];
+      for (let i = 0; i < 20; i += 1) {
+        const [design, luminance] = change(i);
+        const start = performance.now();
+        const [picture] = await Promise.all([
+          engine.draw({ design, scene: scene.id, luminance, measure: true }),
+          engine.scores(design, luminance),
+          engine.curves(design),
+        ]);
+        all.push([performance.now() - start, picture.timings_ms.learn, picture.timings_ms.draw, picture.timings_ms.score]);
+      }
+      return all.slice(2);
+    })()`);
+    const found = stated(times.map(([ms]) => ms));
+    const part = (i) => stated(times.map((t) => t[i])).median.toFixed(0);
+    console.log(`# whole view after a change of ${what}: ${text(found)}; learning ${part(1)}, drawing ${part(2)}, scores of the picture ${part(3)} ms`);
+    if (found.median > 500 || found.p95 > 500) failed.push(`${what}: ${text(found)}`);
+  }
+  assert.deepEqual(failed, []);
+});
+
+test("of many calls the latest counts", async () => {
+  const found = await page.evaluate(async () => {
+    const draw = (i) => engine.draw({ design: with_filter("R", { gaussian: { center_nm: 600 + i, sigma_nm: 30 } }), scene: engine.scenes[0].id, luminance: 10 });
+    const all = await Promise.all(Array.from({ length: 30 }, (_, i) => draw(i)));
+    return all.map((picture) => picture !== null);
+  });
+  assert.equal(found.at(-1), true);
+  assert.ok(found.filter(Boolean).length <= 2, JSON.stringify(found));
+});
+
+test("figures, curves and an improvement", async () => {
+  const found = await page.evaluate(async () => {
+    const scores = await engine.scores(camera, [1, 10, 80], { derivatives: true });
+    const curves = await engine.curves(camera);
+    const design = with_filter("R", { gaussian: { center_nm: 560, sigma_nm: 35, peak: 0.9 } });
+    const steps = [];
+    const abort = new AbortController();
+    const last = await engine.improve(design, { filters: ["B"], mosaic: true }, [10], (step) => { steps.push(step.cost); if (steps.length === 6) abort.abort(); }, abort.signal);
+    const toml = await engine.camera_toml(last.design);
+    const again = await engine.parse(toml);
+    return { scores, curves, steps, last, toml, same: JSON.stringify(again.sensor.cfa) === JSON.stringify(last.design.sensor.cfa) };
+  });
+  const { scores, curves, steps, last } = found;
+  assert.equal(scores.expected.length, 3);
+  assert.ok(scores.expected[0].cpsnr_db < scores.expected[2].cpsnr_db);
+  assert.ok(scores.array.vora_value > 0.5 && scores.array.photon_efficiency > 0.1, JSON.stringify(scores.array));
+  assert.deepEqual(Object.keys(scores.derivatives.cpsnr_db).sort(), curves.channels.map((c) => c.letter).sort());
+  assert.equal(curves.wavelengths_nm.length, 31);
+  assert.match(curves.channels[0].color, /^#[0-9a-f]{6}$/);
+  assert.equal(steps.length, 6);
+  assert.ok(steps.every((cost, i) => i === 0 || cost <= steps[i - 1]) && steps.at(-1) < last.own_cost, JSON.stringify(steps));
+  assert.deepEqual(last.design.sensor.cfa.filters.B, { builtin: "pigment/B" });
+  assert.match(found.toml, /\[sensor\.cfa\]/);
+  assert.ok(found.same);
+});
+
+test("what is wrong is said, and the engine goes on", async () => {
+  const refused = (call) => page.evaluate(`(async () => { try { await (${call}); return null; } catch (error) { return error.message; } })()`);
+  const scene = "engine.scenes[0].id";
+  const changed = (change) => `(() => { const d = structuredClone(with_filter("R", { builtin: "pigment/R" })); ${change}; return d; })()`;
+  const draw = (design) => `engine.draw({ design: ${design}, scene: ${scene}, luminance: 10 })`;
+  assert.match(await refused(draw(changed("d.sensor.pixel.pich_um = 2"))), /pich_um.*pitch_um/s);
+  assert.match(await refused(draw(changed("d.sensor.pixel.pitch_um = 1.1"))), /sensor\.pixel\.pitch_um.*gathered with 2\.2/s);
+  assert.match(await refused(draw(changed("d.optics.f_number = 'wide'"))), /f_number/);
+  assert.match(await refused(draw(changed("d.sensor.cfa.pattern = ['RX', 'GB']"))), /X/);
+  assert.match(await refused(draw(changed("d.sensor.crosstalk_percent = 5"))), /light/);
+  assert.match(await refused(`engine.draw({ design: camera, scene: "none", luminance: 10 })`), /there is no scene none/);
+  assert.match(await refused(`engine.draw({ design: camera, scene: ${scene}, luminance: -1 })`), /luminance_cd_m2.*-1/s);
+  assert.match(await refused(`engine.draw({ design: camera, scene: ${scene}, luminance: 10, crop: { row: 0, col: 0, rows: 9999, cols: 1 } })`), /crop/);
+  assert.match(await refused(`engine.improve(camera, { filters: ["Q"] }, [10], () => {})`), /no filter 'Q'/);
+  assert.match(await refused("engine.parse('[sensor]\\nrowz = 4')"), /camera\.toml:2.*rowz/s);
+  assert.match(await refused("engine.parse('x'.repeat(2 ** 21))"), /at most/);
+  assert.equal(await refused(draw("camera")), null);
+  assert.deepEqual(faults, []);
+});
