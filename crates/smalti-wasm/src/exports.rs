@@ -107,6 +107,21 @@ mod of_engine {
         })
     }
 
+    /// Takes a photograph: the first bytes of the input are its name in UTF-8, the others RGBA.
+    #[unsafe(no_mangle)]
+    extern "C" fn photograph(name_bytes: usize, rows: usize, cols: usize) -> i32 {
+        run(|module| {
+            let input = std::mem::take(&mut module.input);
+            let named = input
+                .split_at_checked(name_bytes)
+                .and_then(|(name, rgba)| Some((std::str::from_utf8(name).ok()?, rgba)));
+            let (id, rgba) =
+                named.ok_or_else(|| EngineError::Photograph("expected a name in UTF-8".into()))?;
+            module.engine.photograph(id, [rows, cols], rgba)?;
+            Ok::<_, EngineError>(0)
+        })
+    }
+
     /// Answers the request of the input.
     #[unsafe(no_mangle)]
     extern "C" fn ask() -> i32 {

@@ -232,3 +232,34 @@ fn what_is_wrong_is_told() {
     }
     assert!(engine.load(StudioFile::Scene, &bytes).unwrap_err().to_string().contains("smalti-studio-scene"));
 }
+
+/// A photograph of one colour is a scene of that colour.
+#[test]
+fn photographs_become_scenes() {
+    let mut engine = engine();
+    let color = [180u8, 90, 60, 255];
+    let rgba = color.repeat(40 * 48);
+    engine.photograph("mine", [40, 48], &rgba).unwrap();
+    let design = json!(files().camera);
+    let request =
+        json!({"draw": {"design": design, "scene": "mine", "luminance_cd_m2": 5.0, "reference": true}});
+    let drawn = ask(&mut engine, &request);
+    assert_eq!((drawn.said["height"].as_u64(), drawn.said["width"].as_u64()), (Some(40), Some(48)));
+    let reference: &[[u8; 4]] = drawn.bytes[4 * 40 * 48..].as_chunks().0;
+    // The brightest pixels fill the display: the chromaticity is that of the photograph.
+    let linear = |v: u8| (f64::from(v) / 255.0).powf(2.2);
+    let middle = reference[20 * 48 + 24];
+    let (found, expected) = (middle.map(linear), color.map(linear));
+    for i in [1, 2] {
+        let ratio = (found[i] / found[0]) / (expected[i] / expected[0]);
+        assert!((ratio - 1.0).abs() < 0.05, "{middle:?}");
+    }
+    let mut refused = |size, rgba: &[u8]| engine.photograph("mine", size, rgba).unwrap_err().to_string();
+    assert!(refused([40, 47], &rgba).contains("40 × 47"));
+    assert!(refused([8, 240], &rgba).contains("32"));
+    assert!(refused([usize::MAX, 2], &rgba).contains("at most"));
+    assert!(refused([40, 48], &vec![0; 4 * 40 * 48]).contains("black"));
+    assert!(
+        Engine::default().photograph("mine", [40, 48], &rgba).unwrap_err().to_string().contains("training")
+    );
+}

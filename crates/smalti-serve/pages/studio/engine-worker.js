@@ -17,10 +17,13 @@ async function inflated(name) {
   return new Response(response.body.pipeThrough(new DecompressionStream("deflate-raw"))).arrayBuffer();
 }
 
-/** @param {Uint8Array} bytes */
-function put(bytes) {
-  const at = wasm.reserve(bytes.byteLength);
-  new Uint8Array(wasm.memory.buffer).set(bytes, at);
+/** @param {(Uint8Array | Uint8ClampedArray)[]} parts */
+function put(...parts) {
+  let at = wasm.reserve(parts.reduce((sum, part) => sum + part.byteLength, 0));
+  for (const part of parts) {
+    new Uint8Array(wasm.memory.buffer).set(part, at);
+    at += part.byteLength;
+  }
 }
 
 /** The answer of the module: JSON, and bytes behind it. @returns {{ said: any, bytes: ArrayBuffer }} */
@@ -67,11 +70,15 @@ function joined(a, b) {
   return all.buffer;
 }
 
-/** @param {string} id */
-function scene_file(id) {
+/** Photographs of the visitor, by name. @type {Set<string>} */
+const photographs = new Set();
+
+/** Hands the light of a scene to the module. @param {string} id */
+async function load_scene(id) {
+  if (photographs.has(id)) return;
   const scene = manifest.scenes.find((s) => s.id === id);
   if (!scene) throw new Error(`there is no scene ${id}`);
-  return scene.file;
+  await load(scene.file, SCENE);
 }
 
 /** @type {Record<string, (content: any) => Promise<any>>} */
@@ -85,7 +92,7 @@ const tasks = {
     return { ...manifest, catalogue: ask("catalogue", {}).said };
   },
   draw: async (content) => {
-    await Promise.all([load(manifest.training, TRAINING), load(scene_file(content.scene), SCENE)]);
+    await Promise.all([load(manifest.training, TRAINING), load_scene(content.scene)]);
     const times = [performance.now()];
     const timed = (/** @type {string} */ part) => {
       const result = ask(part, content);
@@ -98,6 +105,14 @@ const tasks = {
     const [learn, draw, score] = times.slice(1).map((time, i) => time - times[i]);
     const all = measured ? joined(bytes, measured.bytes) : bytes;
     return { said: { ...learned, ...said, scores: measured?.said ?? null, timings_ms: { learn, draw, score: score ?? 0 } }, bytes: all };
+  },
+  photograph: async ({ id, width, height, rgba }) => {
+    await load(manifest.training, TRAINING);
+    const name = new TextEncoder().encode(id);
+    put(name, rgba);
+    checked(wasm.photograph(name.byteLength, height, width));
+    photographs.add(id);
+    return {};
   },
   scores: async (content) => {
     await load(manifest.statistics, STATISTICS);

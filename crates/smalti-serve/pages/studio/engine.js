@@ -35,7 +35,7 @@
  * @property {Record<string, any>} [isp]
  */
 
-/** @typedef {{ id: string, name: string, set: "charts" | "natural", width: number, height: number }} Scene */
+/** @typedef {{ id: string, name: string, set: "charts" | "natural" | "own", width: number, height: number }} Scene */
 /** @typedef {{ row: number, col: number, rows: number, cols: number }} Crop */
 
 /**
@@ -249,6 +249,20 @@ export class Engine {
       said.timings_ms.total = performance.now() - begun;
       return /** @type {Picture} */ ({ ...said, rgba, reference, difference });
     });
+  }
+
+  /**
+   * Takes a photograph as a scene, one pixel of it on each pixel of the camera: at most 1024 pixels along a side and 400 000 in all. Its colours
+   * become smooth reflectances in daylight (Jakob and Hanika 2019). The scene is added to `scenes`.
+   * @param {string} name @param {ImageData} photograph @returns {Promise<Scene>}
+   */
+  async add_photograph(name, { width, height, data }) {
+    const id = `photograph ${this.scenes.length + 1}`;
+    await this.#pictures.ask("photograph", { id, width, height, rgba: data });
+    /** @type {Scene} */
+    const scene = { id, name, set: "own", width, height };
+    this.scenes.push(scene);
+    return scene;
   }
 
   /**

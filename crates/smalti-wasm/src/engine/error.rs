@@ -25,6 +25,8 @@ pub enum EngineError {
     NoScene(String),
     /// The filter is kept, but the array has none of this letter; or a cell is kept outside the tile.
     NoLock(String),
+    /// A photograph has a wrong size, or cannot become a scene.
+    Photograph(String),
     /// A camera file or the JSON of a design is wrong.
     Text(Box<Diagnostic>),
     /// The design is impossible, or a stage refused.
@@ -45,6 +47,7 @@ impl fmt::Display for EngineError {
             Self::Missing(what) => write!(f, "{what} is missing; expected before this request"),
             Self::NoScene(name) => write!(f, "scene: there is no scene '{name}'"),
             Self::NoLock(what) => write!(f, "locks: {what}"),
+            Self::Photograph(what) => write!(f, "photograph: {what}"),
             Self::Text(diagnostic) => diagnostic.fmt(f),
             Self::Camera(error) => error.fmt(f),
             Self::Design(error) => error.fmt(f),

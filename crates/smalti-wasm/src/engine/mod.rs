@@ -3,6 +3,7 @@
 mod error;
 mod figures;
 mod improving;
+mod photograph;
 mod request;
 mod text;
 mod warnings;
@@ -105,6 +106,18 @@ impl Engine {
                 self.statistics = Some(light::from_bytes(bytes, Path::new("statistics"))?);
             }
         }
+        Ok(())
+    }
+
+    /// Takes a photograph, RGBA in sRGB, as a scene.
+    ///
+    /// # Errors
+    /// When its size is not that of its bytes or out of range, or the light of the training scene is missing.
+    pub fn photograph(&mut self, id: &str, size: [usize; 2], rgba: &[u8]) -> Result<(), EngineError> {
+        let setup = self.learner()?.setup();
+        let scene = photograph::scene(id, size, rgba, setup)?;
+        self.scenes.remove(id);
+        self.waiting.insert(id.to_owned(), scene);
         Ok(())
     }
 
