@@ -42,7 +42,7 @@ function change(score, from, to) {
   if (by === 0) return { shown: "±0", said: "as pinned", kind: "same" };
   const isBetter = Math.sign(by) === score.better;
   const amount = text(Math.abs(by), score.digits);
-  return { shown: `${by > 0 ? "+" : "−"}${amount}`, said: `${amount} ${isBetter ? "better" : "worse"} than pinned`, kind: isBetter ? "better" : "worse" };
+  return { shown: `${by > 0 ? "+" : "−"}${amount} ${isBetter ? "better" : "worse"}`, said: `${amount} ${isBetter ? "better" : "worse"} than pinned`, kind: isBetter ? "better" : "worse" };
 }
 
 /** A message as a sentence. @param {string} message */
