@@ -114,8 +114,8 @@ export function setUpMosaic(store, catalogue, colors) {
       const side = (/** @type {HTMLInputElement} */ f) => Math.min(Math.max(Math.round(Number(f.value)) || 1, 1), MAX_SIDE);
       const [rows, cols] = [side(rowsField), side(colsField)];
       store.change(resize(store.camera, rows, cols), "the size");
+      [rowsField.value, colsField.value] = [String(rows), String(cols)];
       announce(`${rows} rows, ${cols} columns`);
-      show();
     });
   }
 
@@ -204,7 +204,9 @@ export function setUpMosaic(store, catalogue, colors) {
         cell.setAttribute("aria-label", `Row ${row + 1}, column ${col + 1}: ${letter}${isLocked ? ", locked" : ""}`);
       }
     }
-    [rowsField.value, colsField.value] = [String(rows), String(cols)];
+    // A number that is being typed stays.
+    if (store.jumps || document.activeElement !== rowsField) rowsField.value = String(rows);
+    if (store.jumps || document.activeElement !== colsField) colsField.value = String(cols);
     showPalette();
   }
   store.on(["design", "view"], show);
