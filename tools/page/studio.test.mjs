@@ -201,9 +201,9 @@ test("the keyboard does it all", async () => {
   assert.equal((await cells(page)).length, 4);
   await page.locator("#stage").focus();
   await page.keyboard.press("4");
-  assert.ok(await page.locator("#scale").isVisible());
+  await page.locator("#scale").waitFor();
   await page.keyboard.press("f");
-  assert.equal(await page.locator("#caption").textContent(), "Reference");
+  await page.locator("#caption", { hasText: /^Reference$/ }).waitFor();
   await settled(page);
   assert.deepEqual(faults, []);
   await close();
