@@ -153,7 +153,8 @@ export function fitted(engine, camera) {
     const pitch = (/** @type {any} */ c) => Math.log(c.sensor.pixel.pitch_um);
     const nearest = engine.setups.reduce((a, b) => (Math.abs(pitch(b.camera) - pitch(camera)) < Math.abs(pitch(a.camera) - pitch(camera)) ? b : a));
     fits = withSetup(fits, nearest);
-    changed.push(`lens and pixels of ${setupName(nearest)}, since the page has no light for its own (f/${camera.optics.f_number}, ${camera.sensor.pixel.pitch_um} µm)`);
+    const range = camera.wavelengths_nm ? `, ${camera.wavelengths_nm[0]} to ${camera.wavelengths_nm[2]} nm` : "";
+    changed.push(`lens and pixels of ${setupName(nearest)}, since the page has no light for its own (f/${camera.optics.f_number}, ${camera.sensor.pixel.pitch_um} µm${range})`);
   }
   if (fits.exposure.auto === "luminance" && fits.exposure.time_ms === undefined) {
     fits = withValue(withValue(fits, ["exposure", "auto"], "specular"), ["exposure", "auto_target"], undefined);
