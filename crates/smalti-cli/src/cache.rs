@@ -12,7 +12,7 @@ use crate::table;
     smalti cache\n  \
     smalti cache --clear\n  \
     SMALTI_CACHE_GB=20 smalti compare bayer rgbw\n\n\
-    evaluate, compare, sweep and design keep optical images, training statistics, pipelines and scores in the folder\n\
+    evaluate, compare, sweep, design and studio keep optical images, training statistics, pipelines, scores and light in the folder\n\
     SMALTI_CACHE_DIR, by default smalti in the user's cache folder. SMALTI_CACHE_GB is its largest size in units of 10⁹ bytes [default: 2];\n\
     the entries not used for longest are removed first. Entries not used for SMALTI_CACHE_DAYS days [default: 90] are removed too.\n\
     An entry that is damaged, cut short or belongs to something else is never used but computed again.")]

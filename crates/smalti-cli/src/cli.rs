@@ -16,6 +16,7 @@ use crate::render::Render;
 use crate::report::ReportArgs;
 use crate::show::Show;
 use crate::simulate::Simulate;
+use crate::studio::Studio;
 use crate::sweep::SweepArgs;
 use crate::train::Train;
 
@@ -32,6 +33,7 @@ use crate::train::Train;
         smalti evaluate bayer rgbw                            scores of colour, resolution, noise and aliasing\n  \
         smalti sweep table2 -o study && smalti report study   score 5000 colour filter arrays and report them\n  \
         smalti design pigments-4 -o best                      find the best colour filter array of four pigments\n  \
+        smalti studio rgbw                                    change its mosaic and filters in the browser\n  \
         smalti rate init bayer rgbw -o trial                  an experiment in which people judge the pictures\n  \
         smalti list cfas                                      the built-in colour filter arrays\n  \
         smalti show rgbw                                      a camera with its mosaic and its spectra\n\n\
@@ -63,6 +65,8 @@ pub(crate) enum Command {
     Design(Box<DesignArgs>),
     /// Report the results of a study: tables, best designs, figures
     Report(ReportArgs),
+    /// Draw a mosaic and its filters in the browser and see their picture at once
+    Studio(Studio),
     /// Let people judge: make an experiment, run it in the browser, scale the answers
     Rate(Box<Rate>),
     /// List built-in cameras, scenes, colour filter arrays, metrics and more

@@ -56,6 +56,7 @@ fn with_names(command: Command) -> Command {
         "overrides" => arg.add(ArgValueCompleter::new(camera_keys)),
         "illuminant" | "illuminants" | "target_illuminant" => with(arg, light_names, &["csv"]),
         "study" => with(arg, study_names, &["toml"]),
+        "start" => with(arg, || camera_names().into_iter().chain(study_names()).collect(), &["toml"]),
         "design" => with(arg, design_names, &["toml"]),
         "experiment" => with(arg, experiment_names, &["toml"]),
         // The argument of `show`, which accepts every kind.
@@ -220,6 +221,7 @@ mod tests {
             "evaluate cameras",
             "evaluate illuminant",
             "sweep study",
+            "studio start",
             "convert scene",
             "show name",
             "show illuminant",

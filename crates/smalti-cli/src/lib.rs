@@ -29,6 +29,7 @@ mod resolve;
 mod scene_args;
 mod show;
 mod simulate;
+mod studio;
 mod sweep;
 mod table;
 mod terminal;
@@ -92,6 +93,7 @@ fn run(cli: Cli, words: &[String]) -> anyhow::Result<()> {
         Command::Rate(a) => rate::run(&a, words, &cli.common),
         Command::Simulate(a) => simulate::run(&a, &cli.common),
         Command::Evaluate(a) => evaluate::run(&a, words, &cli.common),
+        Command::Studio(a) => studio::run(&a, &cli.common),
         Command::Sweep(a) => sweep::run(&a, &cli.common),
         Command::Design(a) => design::run(&a, &cli.common),
         Command::Report(a) => report::run(&a, &cli.common),

@@ -11,7 +11,7 @@ use crate::IoError;
 /// Where an atomic write goes: buffered and seekable.
 pub type Target = BufWriter<File>;
 
-/// Removes the temporary file unless it was renamed.
+/// Removes the temporary file or folder unless it was renamed.
 struct Temporary {
     path: PathBuf,
     keep: bool,
@@ -20,8 +20,9 @@ struct Temporary {
 impl Drop for Temporary {
     fn drop(&mut self) {
         if !self.keep {
-            // Nothing more can be done about a file that cannot be removed; the write itself has already failed.
-            let _ = fs::remove_file(&self.path);
+            // Nothing more can be done about what cannot be removed; the write itself has already failed.
+            let _ =
+                if self.path.is_dir() { fs::remove_dir_all(&self.path) } else { fs::remove_file(&self.path) };
         }
     }
 }
@@ -171,8 +172,53 @@ pub(crate) fn create_folder(dir: &Path) -> Result<(), IoError> {
     fs::create_dir_all(dir).map_err(IoError::writing(dir))
 }
 
+/// Finds out, before long work, whether a folder is absent or empty, as [`folder`] needs it.
+///
+/// # Errors
+/// [`IoError::Write`].
+pub fn ensure_is_new(dir: &Path) -> Result<(), IoError> {
+    let io = IoError::writing(dir);
+    match fs::read_dir(dir).map(|mut there| there.next().is_some()) {
+        Ok(true) => {
+            let kind = io::ErrorKind::DirectoryNotEmpty;
+            Err(io(io::Error::new(kind, "the folder is not empty; expected a new or an empty one")))
+        }
+        Err(e) if e.kind() == io::ErrorKind::NotADirectory => Err(io(not_a_folder())),
+        _ => Ok(()),
+    }
+}
+
+/// Writes a folder whole or not at all: its files, by their paths relative to it, go into a folder with a temporary name beside it, which is
+/// then renamed. The folder must be absent or empty.
+///
+/// # Errors
+/// [`IoError::Write`], also when there is a file or a folder with content in its place.
+pub fn folder<'a>(dir: &Path, files: impl IntoIterator<Item = (&'a str, &'a [u8])>) -> Result<(), IoError> {
+    ensure_is_new(dir)?;
+    let io = IoError::writing(dir);
+    // The path as a whole, so that `out/` and `.` have a name and a folder beside them.
+    let whole = std::path::absolute(dir).map_err(io)?;
+    let around = whole.parent().filter(|_| whole.file_name().is_some());
+    let around = around.ok_or_else(|| io(io::Error::other("expected the name of a new folder")))?;
+    create_folder(around)?;
+    let ((), mut temporary) = beside(&whole, |path| fs::create_dir(path)).map_err(io)?;
+    for (name, content) in files {
+        let path = temporary.path.join(name);
+        create_folder(path.parent().unwrap_or(&temporary.path))?;
+        fs::write(&path, content).map_err(io)?;
+    }
+    fs::rename(&temporary.path, &whole).map_err(io)?;
+    temporary.keep = true;
+    Ok(())
+}
+
 /// A new file in the folder of `path`, under a name no other process or thread has.
 fn create_beside(path: &Path) -> io::Result<(File, Temporary)> {
+    beside(path, |path| OpenOptions::new().write(true).create_new(true).open(path))
+}
+
+/// Makes a new file or folder in the folder of `path`, under a name no other process or thread has.
+fn beside<T>(path: &Path, make: impl Fn(&Path) -> io::Result<T>) -> io::Result<(T, Temporary)> {
     static COUNTER: AtomicU64 = AtomicU64::new(0);
     let Some(name) = path.file_name() else {
         return Err(io::Error::new(io::ErrorKind::InvalidInput, "the path names no file"));
@@ -184,8 +230,8 @@ fn create_beside(path: &Path) -> io::Result<(File, Temporary)> {
         hidden.push(name);
         hidden.push(format!(".{}-{number}.tmp", std::process::id()));
         let beside = path.with_file_name(hidden);
-        match OpenOptions::new().write(true).create_new(true).open(&beside) {
-            Ok(file) => return Ok((file, Temporary { path: beside, keep: false })),
+        match make(&beside) {
+            Ok(made) => return Ok((made, Temporary { path: beside, keep: false })),
             Err(error) if error.kind() == io::ErrorKind::AlreadyExists => last = error,
             Err(error) => return Err(error),
         }
@@ -296,5 +342,25 @@ mod tests {
         assert!(error.to_string().contains("such.txt"));
         assert!(names(dir.path()).is_empty());
         assert!(bytes(Path::new("/"), b"x").is_err());
+    }
+
+    #[test]
+    fn a_folder_is_written_whole_or_not_at_all() {
+        let dir = tempfile::tempdir().unwrap();
+        let out = dir.path().join("deep/out");
+        let files = [("a.txt", &b"one"[..]), ("in/b.txt", b"two")];
+        folder(&out, files).unwrap();
+        assert_eq!(fs::read(out.join("in/b.txt")).unwrap(), b"two");
+        let error = folder(&out, files).unwrap_err().to_string();
+        assert!(error.ends_with("the folder is not empty; expected a new or an empty one"), "{error}");
+        let error = folder(&out.join("a.txt"), files).unwrap_err().to_string();
+        assert!(error.ends_with("it is a file; expected a folder"), "{error}");
+        // The second file cannot be written, since the first has the name of its folder.
+        let other = dir.path().join("other");
+        assert!(folder(&other, [("a", &b"one"[..]), ("a/b", b"two")]).is_err());
+        assert_eq!(names(dir.path()), ["deep"]);
+        fs::create_dir(&other).unwrap();
+        folder(&other, files).unwrap();
+        assert_eq!(names(&other).len(), 2);
     }
 }

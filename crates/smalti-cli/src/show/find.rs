@@ -14,7 +14,7 @@ use crate::resolve::has_extension;
 
 /// The kinds of items, in the order of precedence for a name with several meanings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(super) enum Kind {
+pub(crate) enum Kind {
     /// A camera, built in or a TOML file
     Camera,
     /// A built-in colour filter array
@@ -30,7 +30,7 @@ pub(super) enum Kind {
 }
 
 impl Kind {
-    pub(super) fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Camera => "camera",
             Self::Cfa => "cfa",
@@ -41,7 +41,7 @@ impl Kind {
         }
     }
 
-    pub(super) fn with_article(self) -> String {
+    pub(crate) fn with_article(self) -> String {
         match self {
             Self::Cfa => "a CFA".into(),
             Self::Illuminant => "an illuminant".into(),
@@ -81,7 +81,7 @@ fn before_parameters(name: &str) -> &str {
 }
 
 /// The kind of a name, and the other kinds that it could mean.
-pub(super) fn kind(name: &str, asked: Option<Kind>) -> anyhow::Result<(Kind, Vec<Kind>)> {
+pub(crate) fn kind(name: &str, asked: Option<Kind>) -> anyhow::Result<(Kind, Vec<Kind>)> {
     if let Some(kind) = asked {
         return Ok((kind, Vec::new()));
     }

@@ -4,7 +4,7 @@ mod camera;
 mod cfa;
 mod curve;
 mod datasheet;
-mod find;
+pub(crate) mod find;
 mod kitty;
 mod picture;
 mod plot;

@@ -28,6 +28,7 @@ mod reference;
 mod shell;
 mod show;
 mod simulate;
+mod studio;
 mod study_report;
 mod surface;
 mod sweep;

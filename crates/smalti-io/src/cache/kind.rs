@@ -16,11 +16,14 @@ pub enum EntryKind {
     Pipeline,
     /// The scores of a camera.
     Scores,
+    /// The light of the scenes of the studio.
+    StudioLight,
 }
 
 impl EntryKind {
     /// All kinds.
-    pub const ALL: [Self; 4] = [Self::OpticalImage, Self::Statistics, Self::Pipeline, Self::Scores];
+    pub const ALL: [Self; 5] =
+        [Self::OpticalImage, Self::Statistics, Self::Pipeline, Self::Scores, Self::StudioLight];
 
     /// The name of its entries, in the plural.
     #[must_use]
@@ -30,6 +33,7 @@ impl EntryKind {
             Self::Statistics => "training statistics",
             Self::Pipeline => "pipelines",
             Self::Scores => "scores",
+            Self::StudioLight => "light for the studio",
         }
     }
 
@@ -39,6 +43,7 @@ impl EntryKind {
             Self::Statistics => "smalti-l3",
             Self::Pipeline => "smalti-l3-best",
             Self::Scores => "smalti-scores",
+            Self::StudioLight => "smalti-studio",
         }
     }
 

@@ -1,4 +1,5 @@
-//! Optical images, training statistics, pipelines and scores kept on disk between runs, found by the hash of what they were computed from.
+//! Optical images, training statistics, pipelines, scores and the light of the studio kept on disk between runs, found by the hash of what they were
+//! computed from.
 //!
 //! A cache may lose anything at any time: what is absent, cut short, damaged or the entry of another key is `None`, and the caller
 //! computes it again. Entries are written atomically, so that several processes may share a folder.
@@ -19,6 +20,7 @@ use smalti::optics::OpticalImage;
 
 pub use self::kind::EntryKind;
 pub use self::limits::CacheLimits;
+use crate::studio::StudioAsset;
 use crate::{IoError, l3, write};
 
 /// The entries of one kind in a cache.
@@ -206,6 +208,36 @@ impl Store for Cache {
 }
 
 impl Cache {
+    /// The files of the studio that were kept, if there are any.
+    #[must_use]
+    pub fn studio_assets(&self, key: &str) -> Option<Vec<StudioAsset>> {
+        self.kept(EntryKind::StudioLight, key, |path, key| {
+            let content = entry::read(path, key)?;
+            let (length, rest) = content.split_first_chunk::<8>()?;
+            let (index, mut rest) =
+                rest.split_at_checked(usize::try_from(u64::from_le_bytes(*length)).ok()?)?;
+            let index: Vec<(String, usize)> = serde_json::from_slice(index).ok()?;
+            let asset = |(name, bytes)| {
+                let (own, others) = rest.split_at_checked(bytes)?;
+                rest = others;
+                Some(StudioAsset { name, bytes: own.to_vec() })
+            };
+            index.into_iter().map(asset).collect()
+        })
+    }
+
+    /// Keeps the files of the studio.
+    pub fn keep_studio_assets(&self, key: &str, assets: &[StudioAsset]) {
+        let index: Vec<(&str, usize)> = assets.iter().map(|a| (a.name.as_str(), a.bytes.len())).collect();
+        if let Ok(index) = serde_json::to_vec(&index) {
+            let length = (index.len() as u64).to_le_bytes();
+            let head = [&length[..], &index];
+            let pieces: Vec<&[u8]> =
+                head.into_iter().chain(assets.iter().map(|a| a.bytes.as_slice())).collect();
+            self.keep(EntryKind::StudioLight, key, &pieces);
+        }
+    }
+
     fn keep_learned(&self, kind: EntryKind, key: &str, pieces: Result<Vec<Vec<u8>>, IoError>) {
         if let Ok(pieces) = pieces {
             self.keep(kind, key, &pieces.iter().map(Vec::as_slice).collect::<Vec<_>>());

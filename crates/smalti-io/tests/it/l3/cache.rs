@@ -10,6 +10,7 @@ use smalti::numeric::Planes;
 use smalti::optics::OpticalImage;
 use smalti::spectrum::{SpectralCube, WavelengthGrid};
 use smalti_io::cache::{Cache, CacheLimits, EntryKind};
+use smalti_io::studio::StudioAsset;
 
 use super::fixtures::{bayer, picture_pipeline, second_stage, statistics};
 
@@ -26,6 +27,7 @@ struct Entries {
     statistics: Statistics,
     pipeline: Pipeline,
     scores: PictureFigures,
+    studio: Vec<StudioAsset>,
 }
 
 fn entries(number: u8) -> Entries {
@@ -36,6 +38,9 @@ fn entries(number: u8) -> Entries {
         statistics: statistics(&bayer(), (number > 1).then_some([0.0, 1023.0])),
         pipeline: picture_pipeline().with_refinement((number > 1).then(second_stage)).unwrap(),
         scores: PictureFigures { lights },
+        studio: ["a.json", "b.bin"]
+            .map(|name| StudioAsset { name: name.into(), bytes: vec![number; 5] })
+            .to_vec(),
     }
 }
 
@@ -46,6 +51,7 @@ impl Entries {
         cache.keep_statistics(key, &self.statistics);
         cache.keep_pipeline(key, &self.pipeline);
         cache.keep_scores(key, &self.scores);
+        cache.keep_studio_assets(key, &self.studio);
     }
 
     /// Whether the cache has the entry of a kind; it must then be this one.
@@ -55,7 +61,8 @@ impl Entries {
             EntryKind::OpticalImage => found(Store::optical_image(cache, key, &none).ok(), &self.image),
             EntryKind::Statistics => found(cache.statistics(key), &self.statistics),
             EntryKind::Pipeline => found(cache.pipeline(key), &self.pipeline),
-            _ => found(cache.scores(key), &self.scores),
+            EntryKind::Scores => found(cache.scores(key), &self.scores),
+            _ => found(cache.studio_assets(key), &self.studio),
         }
     }
 }
@@ -70,7 +77,8 @@ fn extension(kind: EntryKind) -> &'static str {
         EntryKind::OpticalImage => "smalti-oi",
         EntryKind::Statistics => "smalti-l3",
         EntryKind::Pipeline => "smalti-l3-best",
-        _ => "smalti-scores",
+        EntryKind::Scores => "smalti-scores",
+        _ => "smalti-studio",
     }
 }
 

@@ -1,0 +1,136 @@
+//! `smalti studio`: the page on which a mosaic and its filters are drawn and their picture is seen.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, bail};
+use clap::Args;
+use serde_json::json;
+use smalti::camera::Camera;
+use smalti::camera::description::{
+    CameraDescription, CfaDescription, ExposureDescription, IspDescription, SensorDescription,
+};
+use smalti_io::cache::Cache;
+use smalti_io::cameras::LoadedCamera;
+use smalti_io::studio::StudioAsset;
+use smalti_io::{TomlSource, cameras, designs, studies, write};
+use smalti_report::study::camera_toml;
+use smalti_serve::{LocalServer, studio};
+
+use crate::args::Common;
+use crate::output::note;
+use crate::progress::Progress;
+use crate::resolve;
+use crate::show::find::{Kind, kind};
+
+/// The camera in the folder of `smalti design`.
+const DESIGNED: &str = "camera.toml";
+
+#[derive(Debug, Clone, Args)]
+#[command(after_help = "Examples:\n  \
+    smalti studio                            start with the camera bayer\n  \
+    smalti studio phone@quad-bayer           start with another camera and mosaic\n  \
+    smalti studio best                       start with what `smalti design -o best` found\n  \
+    smalti studio table2                     start with the first design of a study\n  \
+    smalti studio rgbw --export site         write the page as a folder for a web server\n\n\
+    The page simulates the camera in the browser and learns a pipeline for every design. The address has a token and answers to browsers of \
+    this machine alone; Ctrl-C ends the server. The folder of --export needs neither this server nor the command: any web server can serve it.")]
+pub(crate) struct Studio {
+    /// Camera, study or folder of `smalti design` with whose design the page opens
+    #[arg(default_value = "bayer", value_name = "CAMERA|STUDY|DESIGN-RUN")]
+    pub(crate) start: String,
+    /// Port on 127.0.0.1 [default: a free one]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    pub(crate) port: Option<u16>,
+    /// Print the address without opening a browser
+    #[arg(long)]
+    pub(crate) no_open: bool,
+    /// Print the address as JSON without opening a browser
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// Do not use the cache of the light ($SMALTI_CACHE_DIR, else the user's cache folder)
+    #[arg(long)]
+    pub(crate) no_cache: bool,
+    /// Write the page to a new or empty folder, in place of serving it
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["port", "no_open", "json"])]
+    pub(crate) export: Option<PathBuf>,
+}
+
+pub(crate) fn run(args: &Studio, common: &Common) -> anyhow::Result<()> {
+    let camera = start(&args.start, common)?;
+    let toml = designs::own_camera_toml(camera.description()).map_err(anyhow::Error::from)?;
+    let cache = resolve::cache(args.no_cache)?;
+    if let Some(dir) = &args.export {
+        write::ensure_is_new(dir)?;
+        write::ensure_can_fill(dir)?;
+        let files = studio::files(&toml, light_for(&camera, &cache, common)?);
+        write::folder(dir, files.iter().map(|file| (file.path.as_str(), file.content.as_ref())))?;
+        return crate::print(&format!("{}\n", dir.join("index.html").display()));
+    }
+    let server = LocalServer::bind(args.port, None)?;
+    let files = studio::files(&toml, light_for(&camera, &cache, common)?);
+    let address = server.url();
+    if args.json {
+        crate::output::print_document(&format!("{}\n", json!({"address": address})))?;
+    } else {
+        crate::print(&format!("{address}\n"))?;
+        if !args.no_open && open::that_detached(&address).is_err() {
+            note("no browser could be started; open this address in one", common);
+        }
+        note("Ctrl-C ends the server", common);
+    }
+    Ok(server.run(studio::routes(files))?)
+}
+
+/// The light of the scenes behind the lens of a camera, as files of the page. It depends neither on the filters nor on the processing, so
+/// that cameras share it.
+fn light_for(camera: &Camera, cache: &Cache, common: &Common) -> anyhow::Result<Vec<StudioAsset>> {
+    let own = camera.description();
+    let bare = CameraDescription {
+        name: format!("f/{}, {} µm", own.optics.f_number, own.sensor.pixel.pitch_um),
+        sensor: SensorDescription { cfa: CfaDescription::default(), binning: None, ..own.sensor.clone() },
+        exposure: ExposureDescription::default(),
+        isp: IspDescription::default(),
+        ..own.clone()
+    };
+    let key = serde_json::to_string(&bare)?;
+    if let Some(assets) = cache.studio_assets(&key) {
+        return Ok(assets);
+    }
+    let progress = Progress::new(0, common.quiet);
+    let assets = smalti_io::studio::assets(&Camera::new(bare, camera.grid())?, &progress)?;
+    progress.finish();
+    cache.keep_studio_assets(&key, &assets);
+    Ok(assets)
+}
+
+/// The camera with which the page opens.
+fn start(name: &str, common: &Common) -> anyhow::Result<Camera> {
+    let told = |loaded: LoadedCamera| {
+        loaded.notes.iter().for_each(|text| note(text, common));
+        loaded.camera
+    };
+    let camera =
+        |name: &str| cameras::load_with_notes(name, &[], None).map(told).map_err(anyhow::Error::from);
+    let folder = Path::new(name);
+    if folder.is_dir() {
+        let path = folder.join(DESIGNED);
+        if !path.is_file() {
+            bail!("{name}: the folder has no {DESIGNED}; expected one that `smalti design -o {name}` wrote");
+        }
+        return camera(path.to_str().context("the path of the folder is not Unicode")?);
+    }
+    match kind(name, None)?.0 {
+        Kind::Camera => camera(name),
+        Kind::Study => {
+            let study = studies::load_with_notes(name).map_err(anyhow::Error::from)?;
+            study.notes.iter().for_each(|text| note(text, common));
+            let first = camera_toml(&study.trials, 0)?;
+            let source = TomlSource { name: name.to_owned(), folder: PathBuf::new(), text: first };
+            cameras::from_source(&source, &[], None).map_err(anyhow::Error::from)
+        }
+        other => bail!(
+            "{name} is {}; expected a camera, a study or a folder that `smalti design` wrote. A mosaic is opened with a camera, such as bayer@quad-bayer",
+            other.with_article()
+        ),
+    }
+}

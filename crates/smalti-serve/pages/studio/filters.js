@@ -1,0 +1,321 @@
+// @ts-check
+// The filters: their curves with handles, and the numbers of the one that is selected.
+import { announce, byId, draw, make, tell } from "./dom.js";
+import { letters, withFilter } from "./design.js";
+import { filterOfCsv } from "./files.js";
+import { FIRST_NM, LAST_NM, SHAPES, drawnOver, handlesOf, likeShape, shapeOf } from "./shapes.js";
+
+/** @typedef {import("./store.js").Store} Store */
+/** @typedef {import("./engine.js").Curves} Curves */
+/** @typedef {import("./engine.js").Engine} Engine */
+
+/** The colours of the axis of wavelengths, a hint and no measurement. */
+const SPECTRUM = [[380, "#45307a"], [420, "#4036a8"], [460, "#2a62c9"], [490, "#1f9fb5"], [520, "#3fae4a"], [560, "#a8b93a"], [585, "#e0b22e"], [610, "#e5792b"], [650, "#d03a2b"], [780, "#5a1414"]];
+const DRAWN_STEP_NM = 5;
+
+/** The value of a curve at a wavelength, on a line between its samples. @param {number[]} xs @param {number[]} ys @param {number} x */
+function valueAt(xs, ys, x) {
+  if (x <= xs[0]) return ys[0];
+  for (let i = 1; i < xs.length; i += 1) {
+    if (x <= xs[i]) return ys[i - 1] + (ys[i] - ys[i - 1]) * (x - xs[i - 1]) / (xs[i] - xs[i - 1]);
+  }
+  return ys[ys.length - 1];
+}
+
+/**
+ * Sets up plot and fields. `curves` has the curves of the design, once they are known.
+ * @param {Store} store @param {Engine["catalogue"]} catalogue @param {() => Curves | undefined} curves
+ * @returns {{ show: () => void, take: (name: string, text: string) => void }}
+ */
+export function setUpFilters(store, catalogue, curves) {
+  const place = byId("plot", HTMLDivElement);
+  const panel = byId("filter", HTMLDivElement);
+  /** @type {"transmittance" | "quantum_efficiency"} */
+  let kind = "transmittance";
+  let isDrawing = false;
+  let cursorNm = 550;
+  let [width, height] = [440, 230];
+  const margin = { left: 34, right: 10, top: 10, bottom: 30 };
+  const x = (/** @type {number} */ nm) => margin.left + (nm - FIRST_NM) / (LAST_NM - FIRST_NM) * (width - margin.left - margin.right);
+  const y = (/** @type {number} */ value) => height - margin.bottom - value * (height - margin.top - margin.bottom);
+  const svg = draw("svg", { role: "group", "aria-label": "Curves of the filters over wavelength, 380 to 780 nm" });
+  place.append(svg);
+
+  const [back, lines, front] = [draw("g", { "aria-hidden": "true" }), draw("g", { "aria-hidden": "true" }), draw("g")];
+  svg.append(draw("defs", {}, draw("linearGradient", { id: "spectrum" }, ...SPECTRUM.map(([nm, color]) =>
+    draw("stop", { offset: (Number(nm) - FIRST_NM) / (LAST_NM - FIRST_NM), "stop-color": color })))), back, lines, front);
+
+  const filter = () => store.camera.sensor.cfa.filters[store.selected];
+  const channel = () => curves()?.channels.find((c) => c.letter === store.selected);
+  const at = (/** @type {number} */ nm) => {
+    const [all, own] = [curves(), channel()];
+    return all && own ? valueAt(all.wavelengths_nm, own.transmittance, nm) : 0;
+  };
+  /** @param {import("./design.js").Filter} to @param {string} what @param {string} [key] */
+  const change = (to, what, key) => store.change(withFilter(store.camera, store.selected, to), `${what} of ${store.selected}`, key);
+
+  /** @param {number[]} xs @param {number[]} ys */
+  const path = (xs, ys) => xs.map((nm, i) => `${i === 0 ? "M" : "L"}${x(nm).toFixed(1)} ${y(Math.max(ys[i], 0)).toFixed(1)}`).join("");
+
+  function showBack() {
+    const ticks = [400, 500, 600, 700];
+    const levels = [0, 0.25, 0.5, 0.75, 1];
+    back.replaceChildren(
+      ...levels.map((v) => draw("line", { class: v === 0 ? "axis" : "rule", x1: margin.left, x2: width - margin.right, y1: y(v), y2: y(v) })),
+      ...levels.filter((v) => v * 2 % 1 === 0).map((v) => draw("text", { class: "tick", x: margin.left - 7, y: y(v) + 4, "text-anchor": "end" }, v === 0.5 ? "0.5" : String(v))),
+      draw("rect", { x: x(FIRST_NM), y: y(0) + 2, width: x(LAST_NM) - x(FIRST_NM), height: 5, rx: 2.5, fill: "url(#spectrum)" }),
+      ...ticks.map((nm) => draw("text", { class: "tick", x: x(nm), y: height - 7, "text-anchor": "middle" }, String(nm))),
+      draw("text", { class: "tick", x: width - margin.right, y: height - 7, "text-anchor": "end" }, "nm"),
+    );
+  }
+
+  function showLines() {
+    const all = curves();
+    if (!all) return;
+    const xs = all.wavelengths_nm;
+    const area = `${path(xs, all.light.map((v) => v * 0.96))}L${x(xs[xs.length - 1])} ${y(0)}L${x(xs[0])} ${y(0)}Z`;
+    const order = [...all.channels].sort((a, b) => Number(a.letter === store.selected) - Number(b.letter === store.selected));
+    lines.replaceChildren(
+      draw("path", { class: "lamp", d: area }),
+      draw("path", { class: "lens", d: path(xs, all.lens_transmittance) }),
+      ...(kind === "quantum_efficiency" ? [draw("path", { class: "silicon", d: path(xs, all.sensor_quantum_efficiency) })] : []),
+      ...order.flatMap((c) => {
+        const d = path(xs, c[kind]);
+        const isSelected = c.letter === store.selected;
+        return [draw("path", { class: "casing", d, "stroke-width": isSelected ? 5.5 : 3.6 }), draw("path", { class: "curve", d, stroke: c.color, "stroke-width": isSelected ? 3.4 : 1.8 })];
+      }),
+      ...all.channels.map((c) => {
+        const top = c[kind].indexOf(Math.max(...c[kind]));
+        return draw("text", { class: `letter${c.letter === store.selected ? " selected" : ""}`, x: Math.min(Math.max(x(xs[top]), margin.left + 8), width - 16), y: Math.max(y(c[kind][top]) - 7, 10), "text-anchor": "middle" }, c.letter);
+      }),
+    );
+  }
+
+  /** @type {number | undefined} */
+  let held;
+  function showHandles() {
+    const handles = kind === "transmittance" ? handlesOf(filter(), at, cursorNm) : [];
+    while (front.children.length > handles.length) front.lastElementChild?.remove();
+    handles.forEach((handle, i) => {
+      let mark = front.children[i];
+      if (!mark) {
+        mark = draw("g", { class: "handle", role: "slider", tabindex: 0 }, draw("circle", { class: "reach", r: 14 }), draw("circle", { class: "dot", r: 6.5 }));
+        listen(/** @type {SVGGElement} */ (mark), i);
+        front.append(mark);
+      }
+      const nm = Math.min(Math.max(handle.nm, FIRST_NM), LAST_NM);
+      mark.setAttribute("transform", `translate(${x(nm).toFixed(1)} ${y(handle.value).toFixed(1)})`);
+      mark.setAttribute("aria-label", `${store.selected}: ${handle.label}`);
+      mark.setAttribute("aria-valuemin", "300");
+      mark.setAttribute("aria-valuemax", "1100");
+      mark.setAttribute("aria-valuenow", String(Math.round(handle.nm)));
+      mark.setAttribute("aria-valuetext", `${Number(handle.nm.toFixed(1))} nm, ${Math.round(handle.value * 100)} %`);
+      mark.querySelector(".dot")?.setAttribute("fill", channel()?.color ?? "#888888");
+    });
+  }
+
+  /** @param {PointerEvent} event @returns {[number, number]} */
+  function point(event) {
+    const box = svg.getBoundingClientRect();
+    const [px, py] = [(event.clientX - box.left) * width / box.width, (event.clientY - box.top) * height / box.height];
+    const nm = FIRST_NM + (px - margin.left) / (width - margin.left - margin.right) * (LAST_NM - FIRST_NM);
+    return [nm, Math.min(Math.max((height - margin.bottom - py) / (height - margin.top - margin.bottom), 0), 1)];
+  }
+
+  /** @param {SVGGElement} mark @param {number} index */
+  function listen(mark, index) {
+    let drags = 0;
+    mark.addEventListener("pointerdown", (event) => {
+      if (event.button !== 0 || isDrawing) return;
+      event.preventDefault();
+      event.stopPropagation();
+      mark.focus();
+      mark.setPointerCapture(event.pointerId);
+      held = index;
+      drags += 1;
+    });
+    mark.addEventListener("pointermove", (event) => {
+      if (held !== index || !mark.hasPointerCapture(event.pointerId)) return;
+      const handle = handlesOf(filter(), at, cursorNm)[index];
+      if (handle) change(handle.set(...point(event)), handle.label.toLowerCase(), `drag ${index} ${drags}`);
+    });
+    mark.addEventListener("lostpointercapture", () => {
+      held = undefined;
+      store.end();
+    });
+    mark.addEventListener("keydown", (event) => {
+      const step = event.shiftKey ? 10 : 1;
+      const move = /** @type {Record<string, [number, number]>} */ ({ ArrowLeft: [-step, 0], ArrowRight: [step, 0], ArrowUp: [0, step / 100], ArrowDown: [0, -step / 100] })[event.key];
+      const handle = handlesOf(filter(), at, cursorNm)[index];
+      if (!move || !handle) return;
+      event.preventDefault();
+      if (shapeOf(filter()) === "samples" && move[0] !== 0) {
+        cursorNm = Math.min(Math.max(handle.nm + Math.sign(move[0]) * filter().samples.step_nm, FIRST_NM), LAST_NM);
+        showHandles();
+        return;
+      }
+      change(handle.set(handle.nm + move[0], handle.value + move[1]), handle.label.toLowerCase(), `keys ${store.selected} ${index}`);
+    });
+  }
+
+  /** The curve of the selected filter as samples. @returns {import("./design.js").Filter | undefined} */
+  function asSamples() {
+    if (shapeOf(filter()) === "samples") return filter();
+    if (!channel()) return undefined;
+    const values = Array.from({ length: (LAST_NM - FIRST_NM) / DRAWN_STEP_NM + 1 }, (_, i) => Number(Math.min(Math.max(at(FIRST_NM + i * DRAWN_STEP_NM), 0), 1).toFixed(4)));
+    return { samples: { start_nm: FIRST_NM, step_nm: DRAWN_STEP_NM, values } };
+  }
+
+  let strokes = 0;
+  /** @type {[number, number] | undefined} */
+  let last;
+  svg.addEventListener("pointerdown", (event) => {
+    if (event.button !== 0) return;
+    const [nm, value] = point(event);
+    if (!isDrawing) {
+      // The nearest curve becomes the selected one.
+      const all = curves();
+      if (!all) return;
+      const distance = (/** @type {Curves["channels"][number]} */ c) => Math.abs(valueAt(all.wavelengths_nm, c[kind], nm) - value);
+      const nearest = all.channels.reduce((a, b) => (distance(b) < distance(a) ? b : a));
+      if (distance(nearest) < 0.08) store.select(nearest.letter);
+      return;
+    }
+    event.preventDefault();
+    svg.setPointerCapture(event.pointerId);
+    strokes += 1;
+    last = [nm, value];
+  });
+  svg.addEventListener("pointermove", (event) => {
+    if (!isDrawing || !last || !svg.hasPointerCapture(event.pointerId)) return;
+    const samples = asSamples()?.samples;
+    if (!samples) return;
+    const to = point(event);
+    change(drawnOver(samples, last, to), "the drawn curve", `drawn ${strokes}`);
+    [last, cursorNm] = [to, to[0]];
+  });
+  svg.addEventListener("lostpointercapture", () => {
+    last = undefined;
+    store.end();
+  });
+
+  for (const button of document.querySelectorAll("[data-curve]")) {
+    button.addEventListener("click", () => {
+      kind = /** @type {typeof kind} */ (/** @type {HTMLElement} */ (button).dataset.curve);
+      for (const other of document.querySelectorAll("[data-curve]")) other.setAttribute("aria-pressed", String(other === button));
+      showLines();
+      showHandles();
+    });
+  }
+
+  /** The place, the width and the peak of the selected filter. */
+  function extent() {
+    const [all, own] = [curves(), channel()];
+    if (!all || !own) return { center: 550, fwhm: 80, peak: 0.9 };
+    const top = Math.max(...own.transmittance);
+    const inside = all.wavelengths_nm.filter((_, i) => own.transmittance[i] >= top / 2);
+    return { center: (inside[0] + inside[inside.length - 1]) / 2, fwhm: Math.max(inside[inside.length - 1] - inside[0], 10), peak: top };
+  }
+
+  /** @param {string} shape */
+  function toShape(shape) {
+    if (shape === "samples") {
+      const samples = asSamples();
+      if (samples) change(samples, "the shape");
+    } else change(shape === "builtin" ? { builtin: catalogue.filters[0] } : likeShape(shape, extent()), "the shape");
+  }
+
+  /** The fields that are shown: they are made anew only for another filter or shape, so that the focus stays. */
+  let shown = "";
+  /** @type {(() => void)[]} */
+  let refreshers = [];
+
+  /** @param {import("./shapes.js").Parameter} parameter @param {() => number} get @param {(value: number) => import("./design.js").Filter} set */
+  function number({ key, label, unit, min, max, step }, get, set) {
+    const input = make("input", { type: "number", min, max, step: "any", "data-parameter": key, input: () => {
+      const value = input.valueAsNumber;
+      if (Number.isFinite(value) && value >= min && value <= max) change(set(value), label.toLowerCase(), `field ${store.selected} ${key}`);
+    }, change: () => store.end(), keydown: (/** @type {KeyboardEvent} */ event) => {
+      if (event.key !== "ArrowUp" && event.key !== "ArrowDown") return;
+      event.preventDefault();
+      const by = (event.key === "ArrowUp" ? 1 : -1) * step * (event.shiftKey ? 10 : 1);
+      change(set(Number(Math.min(Math.max(get() + by, min), max).toFixed(4))), label.toLowerCase(), `field ${store.selected} ${key}`);
+      input.value = String(get());
+    } });
+    refreshers.push(() => { if (store.jumps || document.activeElement !== input) input.value = String(Number(get().toFixed(4))); });
+    return make("label", { class: "field number" }, make("span", {}, label), make("span", { class: "unit" }, input, unit));
+  }
+
+  function fields() {
+    const shape = shapeOf(filter());
+    const own = () => filter()[shape];
+    /** @type {HTMLElement[]} */
+    const rows = (SHAPES[shape]?.parameters ?? []).map((p) => number(p, () => own()[p.key] ?? (p.key === "leakage" ? 0 : 1), (value) => ({ [shape]: { ...own(), [p.key]: value } })));
+    if (shape === "flat") rows.push(number({ key: "flat", label: "Transmittance", unit: "", min: 0, max: 1, step: 0.01 }, own, (value) => ({ flat: value })));
+    if (shape === "dye") {
+      own().bands.forEach((/** @type {any} */ _, /** @type {number} */ i) => {
+        const of = (/** @type {string} */ key, /** @type {string} */ label, /** @type {string} */ unit, /** @type {number} */ min, /** @type {number} */ max, /** @type {number} */ step) =>
+          number({ key: `${key} ${i}`, label: `${label} ${i + 1}`, unit, min, max, step }, () => own().bands[i][key],
+            (value) => ({ dye: { ...own(), bands: own().bands.map((/** @type {any} */ b, /** @type {number} */ j) => (j === i ? { ...b, [key]: value } : b)) } }));
+        rows.push(of("center_nm", "Band", "nm", 300, 1100, 0.5), of("fwhm_nm", "Width", "nm", 1, 400, 0.5), of("absorbance", "Thickness", "", 0, 20, 0.01));
+      });
+    }
+    if (shape === "builtin") {
+      const select = make("select", { change: () => change({ builtin: select.value }, "the curve") }, ...catalogue.filters.map((name) => make("option", { value: name }, name)));
+      refreshers.push(() => { select.value = own(); });
+      rows.push(make("label", { class: "field number" }, make("span", {}, "Curve"), select));
+    }
+    return rows;
+  }
+
+  function showPanel() {
+    const shape = shapeOf(filter());
+    const key = JSON.stringify([store.selected, shape, filter().dye?.bands.length, letters(store.camera)]);
+    if (key !== shown) {
+      shown = key;
+      refreshers = [];
+      const select = make("select", { "aria-label": `Shape of filter ${store.selected}`, change: () => toShape(select.value) },
+        ...Object.entries(SHAPES).map(([value, { name }]) => make("option", { value }, name)));
+      select.value = shape;
+      const pencil = make("button", { type: "button", "aria-pressed": String(isDrawing), title: "Draw the curve with the pointer", click: () => {
+        isDrawing = !isDrawing;
+        pencil.setAttribute("aria-pressed", String(isDrawing));
+        place.toggleAttribute("data-drawing", isDrawing);
+        if (isDrawing) announce("Draw over the plot. With the keyboard, choose the shape Drawn and move its point.");
+      } }, "Draw");
+      const lock = make("input", { type: "checkbox", change: () => store.toggleLock(store.lockedFilters, store.selected) });
+      refreshers.push(() => { lock.checked = store.lockedFilters.has(store.selected); });
+      panel.replaceChildren(
+        make("div", { class: "filter-head" }, make("span", { class: "which" }, `Filter ${store.selected}`), select, pencil, make("label", { class: "check" }, lock, "Lock")),
+        make("div", { class: "fields" }, ...fields()),
+      );
+    }
+    for (const refresh of refreshers) refresh();
+  }
+
+  function show() {
+    showLines();
+    showHandles();
+    showPanel();
+  }
+  new ResizeObserver(() => {
+    [width, height] = [Math.max(place.clientWidth, 200), Math.max(place.clientHeight, 120)];
+    svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
+    showBack();
+    show();
+  }).observe(place);
+  store.on(["design", "view"], show);
+
+  return {
+    show,
+    take(name, text) {
+      try {
+        const { filter: taken, isPercent } = filterOfCsv(text);
+        change(taken, `the curve ${name}`);
+        tell(`Filter ${store.selected} has the curve of ${name}${isPercent ? ", read as percent" : ""}.`);
+      } catch (error) {
+        tell(`${name}: ${error instanceof Error ? error.message : error}`, "trouble");
+      }
+    },
+  };
+}

@@ -1,0 +1,281 @@
+// @ts-check
+// The studio: starts the engine, opens a design, and joins the parts of the page.
+import { announce, atFrame, byId, make, tell } from "./dom.js";
+import { withValue } from "./design.js";
+import { Engine } from "./engine.js";
+import { curvesCsv, fileName, save } from "./files.js";
+import { setUpFilters } from "./filters.js";
+import { setUpImprove } from "./improve.js";
+import { setUpMosaic } from "./mosaic.js";
+import { setUpPicture } from "./picture.js";
+import { setUpScores } from "./scores.js";
+import { fitted, setUpSensor } from "./sensor.js";
+import { fragmentOf, sharedIn } from "./share.js";
+import { Store } from "./store.js";
+import { setUpTheme } from "./theme.js";
+import { setUpWork } from "./work.js";
+
+/** @typedef {import("./design.js").Camera} Camera */
+/** @typedef {import("./engine.js").Design} Design */
+/** @typedef {import("./engine.js").Picture} Picture */
+/** @typedef {import("./engine.js").Scores} Scores */
+
+/** @param {unknown} error */
+const message = (error) => (error instanceof Error ? error.message : String(error));
+/** @param {number} luminance */
+const lightText = (luminance) => `${Number(luminance.toPrecision(luminance < 1 ? 2 : 3))} cd/m²`;
+
+/** A design with its tile in letters and its filters in full, which the page can change. @param {Engine} engine @param {Design} design @returns {Camera} */
+function inFull(engine, design) {
+  const cfa = design.sensor?.cfa ?? {};
+  const name = typeof cfa.pattern === "string" ? cfa.pattern : cfa.pattern === undefined ? "bayer" : undefined;
+  const known = engine.catalogue.cfas.find((c) => c.name === name || (name !== undefined && c.aliases?.includes(name)));
+  if (name !== undefined && !known) throw new Error(`sensor.cfa.pattern is "${name}"; expected the name of a mosaic of the catalogue, or its lines in letters`);
+  const pattern = known ? known.tile : /** @type {string[]} */ (cfa.pattern);
+  const all = { ...known?.filters, ...cfa.filters };
+  // In the order in which the mosaic shows them; those that it does not have follow.
+  const order = [...new Set([...pattern.join(""), ...Object.keys(all)])].filter((letter) => letter in all);
+  const filters = Object.fromEntries(order.map((letter) => [letter, all[letter]]));
+  return /** @type {any} */ (withValue(withValue(design, ["sensor", "cfa", "pattern"], pattern), ["sensor", "cfa", "filters"], filters));
+}
+
+/** The design with which the page opens: that of the address, else that of the server. @param {Engine} engine @returns {Promise<import("./share.js").Shared>} */
+async function opened(engine) {
+  try {
+    const shared = await sharedIn(location.hash);
+    if (shared) {
+      // What comes from an address is read as strictly as a file.
+      const checked = async (/** @type {Camera} */ camera) => inFull(engine, await engine.parse(await engine.camera_toml(camera)));
+      return { ...shared, camera: await checked(shared.camera), pinned: shared.pinned && await checked(shared.pinned) };
+    }
+  } catch (error) {
+    tell(`The design in the address cannot be opened: ${message(error)}.`, "trouble");
+  }
+  const response = await fetch("start.toml");
+  if (!response.ok) throw new Error(`start.toml is missing: ${response.status}`);
+  return { camera: inFull(engine, await engine.parse(await response.text())) };
+}
+
+async function start() {
+  setUpTheme();
+  const engine = await Engine.start("engine/");
+  const first = await opened(engine);
+  const start = fitted(engine, first.camera);
+  if (start.changed) tell(start.changed);
+  const store = new Store(start.camera);
+  store.pinned = first.pinned ?? start.camera;
+
+  const scene = byId("scene", HTMLSelectElement);
+  const light = byId("luminance", HTMLInputElement);
+  const lightOut = byId("luminance-value", HTMLOutputElement);
+  const luminance = () => Number((10 ** Number(light.value)).toPrecision(3));
+  for (const [set, label] of /** @type {const} */ ([["natural", "Natural scenes"], ["charts", "Charts"]])) {
+    const own = engine.scenes.filter((s) => s.set === set);
+    if (own.length > 0) scene.append(make("optgroup", { label }, ...own.map((s) => make("option", { value: s.id }, s.name))));
+  }
+  scene.value = engine.scenes.some((s) => s.id === first.scene) ? String(first.scene) : engine.scenes[0].id;
+  if (first.luminance) light.value = String(Math.log10(first.luminance));
+
+  /** @type {import("./engine.js").Curves | undefined} */
+  let curves;
+  /** @type {{ picture?: Picture, figures?: Scores }} */
+  const own = {};
+  /** @type {{ picture?: Picture, figures?: Scores }} */
+  const pin = {};
+  /** Colours of filters as seen, also of those that are new until their curve is known. @type {Record<string, string>} */
+  const colors = {};
+  /** Whether a result is to be told: after changes, not at the start. */
+  let isChanged = false;
+
+  const work = { again: () => {} };
+  const picture = setUpPicture(() => work.again());
+  const scores = setUpScores();
+  const mosaic = setUpMosaic(store, engine.catalogue, () => colors);
+  const filters = setUpFilters(store, engine.catalogue, () => curves);
+  const sensor = setUpSensor(store, engine, adopt);
+  const wait = byId("wait", HTMLElement);
+  wait.textContent = "Learning the first picture…";
+
+  const isPinned = () => store.pinned !== undefined && JSON.stringify(store.pinned) === JSON.stringify(store.camera);
+  const showScores = () => scores.show(own, store.pinned && !isPinned() ? pin : undefined);
+  let drawnMs = 0;
+  const caption = (/** @type {Picture} */ p) => `${store.camera.name} · exposed for ${Number(p.exposure_ms.toPrecision(3))} ms · drawn in ${Math.round(drawnMs)} ms`;
+  /** Whether the message shown is about a design that could not be drawn. */
+  let hasFailed = false;
+  const compute = setUpWork(engine, () => ({ camera: store.camera, pinned: store.pinned, scene: scene.value, luminance: luminance() }), picture.needsPin, {
+    picture(drawn) {
+      wait.hidden = true;
+      if (hasFailed) tell("");
+      hasFailed = false;
+      // Scores take longer than the picture.
+      if (!drawn.scores) drawnMs = drawn.timings_ms.total;
+      picture.showOwn(drawn, caption(drawn));
+      if (!drawn.scores) return;
+      own.picture = drawn;
+      scores.warn([...drawn.warnings, ...own.figures?.warnings ?? []]);
+      showScores();
+    },
+    pinned(drawn) {
+      pin.picture = drawn;
+      picture.showPin(drawn, store.pinned?.name ?? "");
+      showScores();
+    },
+    curves(known) {
+      curves = known;
+      for (const { letter, color } of known.channels) colors[letter] = color;
+      mosaic();
+      filters.show();
+    },
+    figures(known, before) {
+      [own.figures, pin.figures] = [known, before];
+      scores.warn([...own.picture?.warnings ?? [], ...known.warnings]);
+      showScores();
+    },
+    overLight: (known, before) => scores.showOverLight(known, before, luminance()),
+    done() {
+      const said = showScores();
+      document.documentElement.dataset.settled = String(store.at);
+      if (isChanged) announce(said);
+      isChanged = false;
+    },
+    failed(error) {
+      hasFailed = true;
+      tell(`${message(error)}.`, "trouble");
+    },
+  });
+  work.again = atFrame(() => {
+    delete document.documentElement.dataset.settled;
+    compute();
+  });
+
+  // ---- the bar ----
+
+  const name = byId("name", HTMLInputElement);
+  name.addEventListener("change", () => store.change(withValue(store.camera, ["name"], name.value.trim() || "design"), "the name"));
+  const [undo, redo] = [byId("undo", HTMLButtonElement), byId("redo", HTMLButtonElement)];
+  const back = () => { const what = store.undo(); if (what !== undefined) announce(`Undone: ${what}`); };
+  const forth = () => { const what = store.redo(); if (what !== undefined) announce(`Done again: ${what}`); };
+  undo.addEventListener("click", back);
+  redo.addEventListener("click", forth);
+  document.addEventListener("keydown", (event) => {
+    if (!(event.ctrlKey || event.metaKey) || event.altKey || event.target === name) return;
+    const key = event.key.toLowerCase();
+    if (key !== "z" && key !== "y") return;
+    event.preventDefault();
+    if (key === "y" || event.shiftKey) forth();
+    else back();
+  });
+  byId("pin", HTMLButtonElement).addEventListener("click", () => {
+    store.pin(store.camera);
+    announce(`${store.camera.name} is pinned. Scores show what changes from here do.`);
+  });
+
+  const menu = byId("menu", HTMLDetailsElement);
+  document.addEventListener("click", (event) => { if (!(event.target instanceof Node && menu.contains(event.target)) || event.target instanceof HTMLButtonElement) menu.open = false; });
+  menu.addEventListener("keydown", (event) => {
+    if (event.key !== "Escape") return;
+    menu.open = false;
+    menu.querySelector("summary")?.focus();
+  });
+
+  byId("share", HTMLButtonElement).addEventListener("click", async () => {
+    const pinned = isPinned() ? undefined : store.pinned;
+    history.replaceState(null, "", await fragmentOf({ camera: store.camera, pinned, scene: scene.value, luminance: luminance() }));
+    try {
+      await navigator.clipboard.writeText(location.href);
+      tell(location.hostname === "127.0.0.1"
+        ? "Copied the address, which holds the whole design. Its part from # on opens the design in any studio."
+        : "Copied the address, which holds the whole design.");
+    } catch {
+      tell("The address of this page now holds the whole design; copy it from the browser.");
+    }
+  });
+
+  byId("save-toml", HTMLButtonElement).addEventListener("click", async () => {
+    try {
+      save(fileName(store.camera.name, "toml"), new Blob([await engine.camera_toml(store.camera)], { type: "application/toml" }));
+    } catch (error) {
+      tell(`${message(error)}.`, "trouble");
+    }
+  });
+  byId("save-png", HTMLButtonElement).addEventListener("click", async () => {
+    const png = await picture.png();
+    if (png) save(fileName(`${store.camera.name} ${scene.value} ${luminance()}`, "png"), png);
+  });
+  byId("save-csv", HTMLButtonElement).addEventListener("click", () => {
+    if (curves) save(fileName(`${store.camera.name} curves`, "csv"), new Blob([curvesCsv(curves)], { type: "text/csv" }));
+  });
+
+  // ---- files that are opened ----
+
+  /** Opens a camera as a step that can be undone. @param {Design} design @param {string} what */
+  function adopt(design, what) {
+    try {
+      const { camera: fits, changed } = fitted(engine, inFull(engine, design));
+      store.change(fits, what);
+      store.pin(fits);
+      tell(changed || `${fits.name} is open, and later changes are compared with it.`);
+    } catch (error) {
+      tell(`${message(error)}.`, "trouble");
+    }
+  }
+  /** @param {File} file */
+  async function open(file) {
+    if (file.size > 4_000_000) return tell(`${file.name} is larger than a camera file or a table of a filter.`, "trouble");
+    const text = await file.text();
+    if (/\.(csv|txt)$/i.test(file.name)) return filters.take(file.name, text);
+    try {
+      adopt(await engine.parse(text), `opening ${file.name}`);
+    } catch (error) {
+      tell(`${file.name}: ${message(error)}`, "trouble");
+    }
+  }
+  const chooser = byId("file", HTMLInputElement);
+  byId("open-file", HTMLButtonElement).addEventListener("click", () => chooser.click());
+  chooser.addEventListener("change", () => {
+    const [file] = chooser.files ?? [];
+    if (file) open(file);
+    chooser.value = "";
+  });
+  document.addEventListener("dragover", (event) => event.preventDefault());
+  document.addEventListener("drop", (event) => {
+    event.preventDefault();
+    const [file] = event.dataTransfer?.files ?? [];
+    if (file) open(file);
+  });
+
+  // ---- the design ----
+
+  setUpImprove(store, engine, luminance, (design) => inFull(engine, design), (error) => tell(`${message(error)}.`, "trouble"));
+  const show = () => {
+    if (document.activeElement !== name) name.value = store.camera.name;
+    undo.setAttribute("aria-disabled", String(!store.canUndo));
+    redo.setAttribute("aria-disabled", String(!store.canRedo));
+    byId("pinned", HTMLElement).textContent = isPinned() ? "Change something to see what it does." : `Against the pinned ${store.pinned?.name}`;
+  };
+  store.on(["design", "pin"], () => {
+    isChanged = true;
+    show();
+    work.again();
+  });
+  const showLight = () => {
+    lightOut.textContent = lightText(luminance());
+    light.setAttribute("aria-valuetext", lightText(luminance()));
+  };
+  light.addEventListener("input", () => {
+    showLight();
+    work.again();
+  });
+  scene.addEventListener("change", () => work.again());
+  showLight();
+  show();
+  mosaic();
+  sensor();
+  filters.show();
+  work.again();
+}
+
+start().catch((error) => {
+  byId("wait", HTMLElement).textContent = `The simulator cannot start: ${message(error)}.`;
+  byId("wait", HTMLElement).dataset.failed = "";
+});

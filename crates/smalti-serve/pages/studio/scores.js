@@ -1,0 +1,144 @@
+// @ts-check
+// The scores: each with what the change from the pinned design did, and expected figures over light.
+import { byId, draw, make } from "./dom.js";
+
+/** @typedef {import("./engine.js").Picture} Picture */
+/** @typedef {import("./engine.js").Scores} Scores */
+/** What is known of a design. @typedef {{ picture?: Picture, figures?: Scores }} Known */
+
+/**
+ * A score: where it is, how it is written, and which direction is better.
+ * @typedef {{ label: string, unit: string, title: string, better: 1 | -1, digits: number, get: (known: Known) => number | null | undefined }} Score
+ */
+/** @type {Score[]} */
+const SCORES = [
+  { label: "CPSNR", unit: "dB", title: "Peak signal-to-noise ratio of the picture against the reference", better: 1, digits: 2, get: (k) => k.picture?.scores?.cpsnr_db },
+  { label: "ΔE2000", unit: "", title: "Mean CIEDE2000 over the pixels of the picture", better: -1, digits: 2, get: (k) => k.picture?.scores?.pixel_delta_e_2000_mean },
+  { label: "ΔE2000, 95 %", unit: "", title: "CIEDE2000 that 95 % of the pixels do not exceed", better: -1, digits: 2, get: (k) => k.picture?.scores?.pixel_delta_e_2000_p95 },
+  { label: "S-CIELAB", unit: "", title: "Mean visible difference, filtered as the eye does", better: -1, digits: 2, get: (k) => k.picture?.scores?.scielab_mean },
+  { label: "Saturated", unit: "%", title: "Samples at the end of the range", better: -1, digits: 2, get: (k) => k.picture?.saturated_percent },
+  { label: "Photon efficiency", unit: "%", title: "Share of the light on the pixels that becomes electrons", better: 1, digits: 1, get: (k) => scaled(k.figures?.array.photon_efficiency, 100) },
+  { label: "Noise gain", unit: "×", title: "Noise of the luminance that the colour transform makes from noise of the channels", better: -1, digits: 2, get: (k) => k.figures?.array.luminance_noise_gain },
+  { label: "Vora value", unit: "", title: "How well the channels span the space of the observer, 0 to 1", better: 1, digits: 3, get: (k) => k.figures?.array.vora_value },
+  { label: "SMI", unit: "", title: "Sensitivity metamerism index, ISO 17321-1; 100 is an observer", better: 1, digits: 1, get: (k) => k.figures?.array.sensitivity_metamerism_index },
+  { label: "Condition", unit: "", title: "Condition number of the channels; a large one amplifies noise", better: -1, digits: 2, get: (k) => k.figures?.array.condition_number },
+];
+
+/** @param {number | undefined} value @param {number} by */
+const scaled = (value, by) => (value === undefined ? undefined : value * by);
+
+/** @typedef {Exclude<keyof import("./engine.js").Expected, "luminance_cd_m2" | "time_s">} Figure */
+/** @type {Record<Figure, { label: string, better: 1 | -1 }>} */
+const FIGURES = {
+  cpsnr_db: { label: "CPSNR, dB", better: 1 }, delta_e_2000: { label: "ΔE2000", better: -1 }, scielab: { label: "S-CIELAB", better: -1 }, detail_db: { label: "Detail, dB", better: 1 },
+};
+
+/** @param {number} value @param {number} digits */
+const text = (value, digits) => value.toFixed(digits).replace("-", "−");
+
+/** Words for a change of a score. @param {Score} score @param {number} from @param {number} to */
+function change(score, from, to) {
+  const by = Number((to - from).toFixed(score.digits));
+  if (by === 0) return { shown: "±0", said: "as pinned", kind: "same" };
+  const isBetter = Math.sign(by) === score.better;
+  const amount = text(Math.abs(by), score.digits);
+  return { shown: `${by > 0 ? "+" : "−"}${amount} ${isBetter ? "better" : "worse"}`, said: `${amount} ${isBetter ? "better" : "worse"} than pinned`, kind: isBetter ? "better" : "worse" };
+}
+
+/** A message as a sentence. @param {string} message */
+const sentence = (message) => `${message[0].toUpperCase()}${message.slice(1).replace(/\.$/, "")}.`;
+
+export function setUpScores() {
+  const tiles = byId("tiles", HTMLElement);
+  const metric = byId("metric", HTMLSelectElement);
+  const place = byId("light-curve", HTMLDivElement);
+  const warnings = byId("warnings", HTMLDetailsElement);
+  const parts = SCORES.map((score) => {
+    const [value, delta] = [make("span", { class: "value" }, "–"), make("span", { class: "delta" })];
+    tiles.append(make("div", { class: "tile", title: score.title }, make("dt", {}, score.label), make("dd", {}, make("span", { class: "amount" }, value, make("span", { class: "unit" }, score.unit)), delta)));
+    return { score, value, delta };
+  });
+  metric.append(...Object.entries(FIGURES).map(([value, { label }]) => make("option", { value }, label)));
+
+  const svg = draw("svg", { role: "img" });
+  place.append(svg);
+  let [width, height] = [320, 150];
+  /** @type {{ own: import("./engine.js").Expected[], pin: import("./engine.js").Expected[], luminance: number }} */
+  let over = { own: [], pin: [], luminance: 10 };
+
+  function showCurve() {
+    const key = /** @type {Figure} */ (metric.value || "cpsnr_db");
+    const all = [...over.own, ...over.pin].map((e) => e[key]).filter(Number.isFinite);
+    if (all.length === 0) return;
+    const margin = { left: 36, right: 18, top: 10, bottom: 24 };
+    const [low, high] = nice(Math.min(...all), Math.max(...all));
+    const [first, last] = [over.own[0].luminance_cd_m2, over.own[over.own.length - 1].luminance_cd_m2].map(Math.log10);
+    const x = (/** @type {number} */ luminance) => margin.left + (Math.log10(luminance) - first) / (last - first) * (width - margin.left - margin.right);
+    const y = (/** @type {number} */ v) => height - margin.bottom - (v - low) / (high - low) * (height - margin.top - margin.bottom);
+    const path = (/** @type {import("./engine.js").Expected[]} */ curve) => curve.map((e, i) => `${i === 0 ? "M" : "L"}${x(e.luminance_cd_m2).toFixed(1)} ${y(e[key]).toFixed(1)}`).join("");
+    const decades = Array.from({ length: Math.round(last - first) + 1 }, (_, i) => 10 ** (Math.round(first) + i));
+    svg.replaceChildren(
+      ...[low, (low + high) / 2, high].flatMap((v) => [
+        draw("line", { class: "rule", x1: margin.left, x2: width - margin.right, y1: y(v), y2: y(v) }),
+        draw("text", { class: "tick", x: margin.left - 6, y: y(v) + 4, "text-anchor": "end" }, text(v, (high - low) % 2 === 0 ? 0 : 1)),
+      ]),
+      ...decades.map((d) => draw("text", { class: "tick", x: x(d), y: height - 7, "text-anchor": "middle" }, String(Number(d.toPrecision(1))))),
+      draw("line", { class: "here", x1: x(over.luminance), x2: x(over.luminance), y1: margin.top, y2: height - margin.bottom }),
+      ...(over.pin.length > 0 ? [draw("path", { class: "pinned", d: path(over.pin) })] : []),
+      draw("path", { class: "own", d: path(over.own) }),
+    );
+    const ends = over.own.length > 0 ? `from ${text(over.own[0][key], 1)} at ${over.own[0].luminance_cd_m2} cd/m² to ${text(over.own[over.own.length - 1][key], 1)} at ${over.own[over.own.length - 1].luminance_cd_m2} cd/m²` : "";
+    svg.setAttribute("aria-label", `Expected ${FIGURES[key].label} over light, ${ends}`);
+  }
+  metric.addEventListener("change", showCurve);
+  new ResizeObserver(() => {
+    [width, height] = [Math.max(place.clientWidth, 160), Math.max(place.clientHeight, 90)];
+    svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
+    showCurve();
+  }).observe(place);
+
+  return {
+    /**
+     * Shows the scores of a design and how they differ from those of the pinned one.
+     * @param {Known} own @param {Known | undefined} pin @returns {string} The main scores in words.
+     */
+    show(own, pin) {
+      /** @type {string[]} */
+      const said = [];
+      for (const { score, value, delta } of parts) {
+        const now = score.get(own);
+        const before = pin && score.get(pin);
+        const isKnown = typeof now === "number" && Number.isFinite(now);
+        value.textContent = isKnown ? text(now, score.digits) : "–";
+        const difference = isKnown && typeof before === "number" && Number.isFinite(before) ? change(score, before, now) : undefined;
+        delta.replaceChildren(...(difference ? [make("span", { "aria-hidden": "true" }, difference.shown), make("span", { class: "unseen" }, difference.said)] : []));
+        delta.dataset.kind = difference?.kind ?? "";
+        if (isKnown && said.length < 3) said.push(`${score.label} ${text(now, score.digits)} ${score.unit}${difference && difference.kind !== "same" ? `, ${difference.said}` : ""}`);
+      }
+      return said.join("; ");
+    },
+    /** @param {import("./engine.js").Expected[]} own @param {import("./engine.js").Expected[]} pin @param {number} luminance */
+    showOverLight(own, pin, luminance) {
+      over = { own, pin, luminance };
+      showCurve();
+    },
+    /** @param {import("./engine.js").Warning[]} all */
+    warn(all) {
+      const messages = [...new Set(all.map((w) => sentence(w.message)))];
+      const [summary, list] = [/** @type {HTMLElement} */ (warnings.querySelector("summary")), /** @type {HTMLElement} */ (warnings.querySelector("ul"))];
+      const text = messages.length === 0 ? "No warnings" : messages.length === 1 ? messages[0] : `${messages.length} warnings: ${messages[0]}`;
+      if (summary.textContent === text && list.children.length === messages.length) return;
+      summary.textContent = text;
+      list.replaceChildren(...messages.map((message) => make("li", {}, message)));
+      warnings.toggleAttribute("data-some", messages.length > 0);
+      if (messages.length === 0) warnings.open = false;
+    },
+  };
+}
+
+/** Round numbers around a range. @param {number} low @param {number} high @returns {[number, number]} */
+function nice(low, high) {
+  const span = Math.max(high - low, 0.5);
+  const step = [0.5, 1, 2, 5, 10, 20, 50, 100].find((s) => span / s <= 6) ?? 200;
+  return [Math.floor(low / step) * step, Math.max(Math.ceil(high / step) * step, Math.floor(low / step) * step + step)];
+}

@@ -1,0 +1,106 @@
+//! The files of the studio.
+
+use std::borrow::Cow;
+
+use smalti_io::studio::StudioAsset;
+
+use super::START;
+
+/// The folder of the simulator and its data.
+const ENGINE: &str = "engine";
+
+/// A file of the page.
+#[derive(Debug, Clone)]
+pub struct PageFile {
+    /// Its path relative to the page, with `/` between folders.
+    pub path: String,
+    /// Its content.
+    pub content: Cow<'static, [u8]>,
+}
+
+impl PageFile {
+    /// Its media type, which follows from its extension.
+    pub(super) fn media_type(&self) -> &'static str {
+        match self.path.rsplit_once('.').map_or("", |(_, extension)| extension) {
+            "html" => "text/html; charset=utf-8",
+            "css" => "text/css; charset=utf-8",
+            "js" => "text/javascript; charset=utf-8",
+            "json" => "application/json",
+            "toml" => "text/plain; charset=utf-8",
+            _ => "application/octet-stream",
+        }
+    }
+}
+
+/// Files of the folder `pages/studio`.
+macro_rules! embedded {
+    ($($file:literal),* $(,)?) => {
+        [$((
+            $file,
+            include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), "/pages/studio/", $file)) as &'static [u8],
+        )),*]
+    };
+}
+
+static EMBEDDED: [(&str, &[u8]); 20] = embedded![
+    "design.js",
+    "dom.js",
+    "engine-worker.js",
+    "engine.js",
+    "files.js",
+    "filters.js",
+    "improve.js",
+    "index.html",
+    "main.js",
+    "mosaic.js",
+    "parts.css",
+    "picture.js",
+    "scores.js",
+    "sensor.js",
+    "shapes.js",
+    "share.js",
+    "store.js",
+    "studio.css",
+    "theme.js",
+    "work.js",
+];
+
+/// The library as WebAssembly, deflated: `tools/wasm/build` makes it.
+static MODULE: &[u8] = include_bytes!("../../vendor/studio.wasm.deflate");
+
+/// All files of the page: `start` is the camera file with which it opens, `assets` is the light of its scenes behind its lens.
+#[must_use]
+pub fn files(start: &str, assets: Vec<StudioAsset>) -> Vec<PageFile> {
+    let embedded = EMBEDDED.iter().map(|&(path, content)| (path.to_owned(), Cow::Borrowed(content)));
+    let start = (START.to_owned(), Cow::Owned(start.as_bytes().to_vec()));
+    let module = (format!("{ENGINE}/studio.wasm.deflate"), Cow::Borrowed(MODULE));
+    let assets =
+        assets.into_iter().map(|asset| (format!("{ENGINE}/{}", asset.name), Cow::Owned(asset.bytes)));
+    embedded.chain([start, module]).chain(assets).map(|(path, content)| PageFile { path, content }).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::PAGE;
+    use super::*;
+
+    #[test]
+    fn every_file_of_the_page_is_embedded_and_has_a_type() {
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/pages/studio");
+        let mut there: Vec<String> = std::fs::read_dir(folder)
+            .unwrap()
+            .map(|e| e.unwrap().file_name().into_string().unwrap())
+            .collect();
+        let mut known: Vec<String> = EMBEDDED.iter().map(|(path, _)| (*path).to_owned()).collect();
+        there.sort();
+        known.sort();
+        assert_eq!(there, known);
+        assert!(known.iter().any(|path| path == PAGE));
+        let asset = StudioAsset { name: "scene.bin".into(), bytes: vec![1] };
+        let files = files("name = \"x\"", vec![asset]);
+        let type_of = |path: &str| files.iter().find(|f| f.path == path).map(PageFile::media_type);
+        assert_eq!(type_of("engine/scene.bin"), Some("application/octet-stream"));
+        assert_eq!(type_of("main.js"), Some("text/javascript; charset=utf-8"));
+        assert_eq!(type_of(START), Some("text/plain; charset=utf-8"));
+    }
+}

@@ -1,0 +1,35 @@
+//! The studio: the page on which a mosaic and its filters are drawn and their picture is seen.
+//!
+//! The page computes in the browser and asks the server for its files only. The same files, written to a folder, work from any web
+//! server. It opens with the camera in [`START`].
+
+mod files;
+
+use axum::Router;
+use axum::body::Bytes;
+use axum::http::header::{CONTENT_SECURITY_POLICY, CONTENT_TYPE};
+use axum::routing::get;
+
+pub use files::{PageFile, files};
+
+/// The page.
+const PAGE: &str = "index.html";
+/// The camera with which the page opens, a camera file.
+pub const START: &str = "start.toml";
+
+/// As for other pages, and the module of the simulator may be compiled.
+const POLICY: &str = "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self'; img-src 'self' blob: data:; connect-src 'self'; \
+                      worker-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+
+/// The files of the page, for [`LocalServer::run`](crate::LocalServer::run).
+pub fn routes(files: Vec<PageFile>) -> Router {
+    files.into_iter().fold(Router::new(), |routes, file| {
+        let path = if file.path == PAGE { "/".to_owned() } else { format!("/{}", file.path) };
+        let headers = [(CONTENT_TYPE, file.media_type()), (CONTENT_SECURITY_POLICY, POLICY)];
+        let content = match file.content {
+            std::borrow::Cow::Borrowed(content) => Bytes::from_static(content),
+            std::borrow::Cow::Owned(content) => Bytes::from(content),
+        };
+        routes.route(&path, get(move || async move { (headers, content) }))
+    })
+}

@@ -1,0 +1,291 @@
+// The studio in a real browser, against the server of the command and as an exported folder behind another one.
+import assert from "node:assert/strict";
+import { execFileSync, spawn } from "node:child_process";
+import { once } from "node:events";
+import { createServer } from "node:http";
+import { mkdtemp, readFile, rm, writeFile } from "node:fs/promises";
+import { tmpdir } from "node:os";
+import { extname, join, resolve } from "node:path";
+import { after, before, test } from "node:test";
+import { axe, launch } from "./browser.mjs";
+
+const smalti = resolve(process.env.SMALTI ?? join(import.meta.dirname, "../../target/debug/smalti"));
+let dir;
+let browser;
+let server;
+
+const env = () => ({ ...process.env, SMALTI_CACHE_DIR: join(dir, "cache") });
+const run = (...args) => execFileSync(smalti, args, { cwd: dir, encoding: "utf8", stdio: ["ignore", "pipe", "inherit"], env: env() });
+
+before(async () => {
+  dir = await mkdtemp(join(tmpdir(), "smalti-studio-"));
+  browser = await launch();
+  const child = spawn(smalti, ["studio", "bayer", "--json", "--quiet"], { cwd: dir, stdio: ["ignore", "pipe", "inherit"], env: env() });
+  const [line] = await once(child.stdout, "data");
+  server = { child, address: JSON.parse(line).address };
+});
+after(async () => {
+  await browser?.close();
+  if (server) {
+    const ended = once(server.child, "exit");
+    server.child.kill("SIGKILL");
+    await ended;
+  }
+  await rm(dir, { recursive: true, force: true });
+});
+
+// A browser of its own. Faults are errors, violations of the policy and requests elsewhere; the tests themselves read the canvas.
+async function open(options = {}, address = server.address) {
+  const context = await browser.newContext({ viewport: { width: 1440, height: 900 }, acceptDownloads: true, ...options });
+  const page = await context.newPage();
+  const faults = [];
+  page.on("console", (m) => { if (["error", "warning"].includes(m.type()) && !m.text().includes("willReadFrequently")) faults.push(`console: ${m.text()}`); });
+  page.on("pageerror", (e) => faults.push(`error: ${e.stack}`));
+  page.on("request", (r) => { if (!/^(data|blob):/.test(r.url()) && !r.url().startsWith(address.split("#")[0])) faults.push(`request: ${r.url()}`); });
+  await page.goto(address);
+  await settled(page);
+  return { page, faults, close: () => context.close() };
+}
+// The picture of the latest change is drawn and scored.
+const settled = (page) => page.waitForFunction(() => document.documentElement.dataset.settled !== undefined, null, { timeout: 60_000 });
+const cells = (page) => page.locator("#grid [role=row]").evaluateAll((rows) => rows.map((r) => [...r.children].map((c) => c.textContent).join("")));
+const pixels = (page) => page.locator("#canvas").evaluate((canvas) => {
+  const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+  let hash = 0;
+  for (let i = 0; i < data.length; i += 1) hash = (hash * 31 + data[i]) | 0;
+  return hash;
+});
+const score = async (page, name) => Number((await page.locator(".tile", { has: page.getByText(name, { exact: true }) }).locator(".value").textContent()).replace("−", "-"));
+const field = (page, key) => page.locator(`[data-parameter="${key}"]`);
+async function saved(page, name) {
+  await page.getByText("File", { exact: true }).click();
+  const [download] = await Promise.all([page.waitForEvent("download"), page.getByRole("button", { name }).click()]);
+  return { name: download.suggestedFilename(), content: await readFile(await download.path()) };
+}
+
+test("a cell is painted, a filter dragged, both undone; scores say what the change did", async () => {
+  const { page, faults, close } = await open();
+  assert.deepEqual(await cells(page), ["RG", "GB"]);
+  const begun = await pixels(page);
+  const cpsnr = await score(page, "CPSNR");
+  assert.ok(cpsnr > 15 && cpsnr < 60, String(cpsnr));
+  assert.equal(await page.locator(".delta[data-kind=better], .delta[data-kind=worse]").count(), 0, "nothing has changed yet");
+  // A cell.
+  await page.getByRole("radio", { name: "Filter B" }).click();
+  await page.getByRole("gridcell", { name: "Row 1, column 2" }).click();
+  assert.deepEqual(await cells(page), ["RB", "GB"]);
+  await settled(page);
+  assert.notEqual(await pixels(page), begun, "another picture");
+  assert.ok(await page.locator(".delta[data-kind=better], .delta[data-kind=worse]").count() > 2);
+  await page.waitForFunction(() => /CPSNR .* dB, .* (better|worse) than pinned/.test(document.getElementById("told").textContent));
+  // A filter: another shape, then its centre.
+  await page.getByRole("radio", { name: "Filter G" }).click();
+  await page.getByLabel("Shape of filter G").selectOption("gaussian");
+  await settled(page);
+  const center = Number(await field(page, "center_nm").inputValue());
+  const handle = await page.getByRole("slider", { name: "G: Centre and peak" }).boundingBox();
+  await page.mouse.move(handle.x + handle.width / 2, handle.y + handle.height / 2);
+  await page.mouse.down();
+  await page.mouse.move(handle.x + handle.width / 2 + 30, handle.y + handle.height / 2 + 20, { steps: 6 });
+  await page.mouse.up();
+  const dragged = Number(await field(page, "center_nm").inputValue());
+  assert.ok(dragged > center + 15 && dragged < center + 70, `${center} to ${dragged}`);
+  await settled(page);
+  // The drag is one step of the history, the shape another, the cell the first.
+  for (let i = 0; i < 3; i += 1) await page.keyboard.press("Control+z");
+  assert.deepEqual(await cells(page), ["RG", "GB"]);
+  assert.equal(await page.locator("#undo").getAttribute("aria-disabled"), "true");
+  await settled(page);
+  assert.equal(await pixels(page), begun, "the same picture again");
+  for (let i = 0; i < 3; i += 1) await page.keyboard.press("Control+Shift+z");
+  assert.equal(Number(await field(page, "center_nm").inputValue()), dragged);
+  // Pinned, it is what later changes are compared with.
+  await page.getByRole("button", { name: "Pin", exact: true }).click();
+  await settled(page);
+  assert.equal(await page.locator(".delta[data-kind=better], .delta[data-kind=worse]").count(), 0);
+  await page.getByLabel("Against").selectOption("pin");
+  assert.equal(await page.getByRole("button", { name: "Split" }).getAttribute("aria-pressed"), "true");
+  const line = page.getByRole("slider", { name: "Line between the two pictures" });
+  await line.press("ArrowRight");
+  await page.waitForFunction(() => document.getElementById("split").getAttribute("aria-valuenow") === "52");
+  assert.deepEqual(faults, []);
+  await close();
+});
+
+test("an improvement goes on until it is stopped, keeps what is locked, and can be discarded", async () => {
+  const { page, faults, close } = await open();
+  const expected = async () => Number(((await page.locator(".improve .progress").textContent()).match(/Expected: ([+−][\d.]+) dB/)?.[1] ?? "0").replace("−", "-"));
+  await page.getByLabel("Keep the mosaic").check();
+  await page.getByRole("button", { name: "Improve" }).click();
+  await page.locator(".improve .progress", { hasText: "Expected:" }).waitFor({ timeout: 60_000 });
+  await page.getByRole("button", { name: "Stop and keep" }).click();
+  await page.getByRole("button", { name: "Improve" }).waitFor();
+  assert.ok(await expected() > 0, await page.locator(".improve .progress").textContent());
+  assert.deepEqual(await cells(page), ["RG", "GB"]);
+  await page.getByRole("button", { name: "Discard" }).click();
+  assert.equal(await page.locator("#undo").getAttribute("aria-disabled"), "true", "the improvement is one step");
+  assert.equal(await page.locator("#redo").getAttribute("aria-disabled"), "false");
+  await settled(page);
+  assert.deepEqual(faults, []);
+  await close();
+});
+
+test("a shared address opens the same design, and the saved camera file is that of the command", async () => {
+  const { page, faults, close } = await open();
+  await page.getByLabel("Start from").selectOption("rgbw");
+  await page.getByLabel("Name of the design").fill("night <b>");
+  await page.getByLabel("Name of the design").press("Enter");
+  await page.getByLabel("Read noise").fill("2.5");
+  await page.getByLabel("Light", { exact: true }).press("Home");
+  await settled(page);
+  await page.getByRole("button", { name: "Share" }).click();
+  await page.waitForFunction(() => location.hash.length > 10);
+  const address = page.url();
+  assert.match(address, /#1\.[\w-]+$/);
+  const picture = await pixels(page);
+  const file = await saved(page, "Save camera.toml");
+  assert.equal(file.name, "night-b.toml");
+  await writeFile(join(dir, "night.toml"), file.content);
+  const shown = JSON.parse(run("show", "night.toml", "--json"));
+  assert.equal(shown.name ?? shown.description.name, "night <b>");
+  assert.deepEqual(shown.description.sensor.cfa.pattern, await cells(page));
+  const { read_noise_mv, read_noise_e, conversion_gain_uv_per_e } = shown.description.sensor.pixel;
+  assert.ok(Math.abs((read_noise_e ?? read_noise_mv * 1000 / conversion_gain_uv_per_e) - 2.5) < 1e-9);
+  const csv = await saved(page, "Save curves as CSV");
+  assert.match(csv.content.toString(), /^wavelength_nm,transmittance_R,.*quantum_efficiency_R,.*lens_transmittance,light_relative\n/);
+  const png = await saved(page, "Save picture as PNG");
+  assert.deepEqual([...png.content.subarray(1, 4)], [..."PNG"].map((c) => c.charCodeAt(0)));
+  assert.deepEqual(faults, []);
+  await close();
+  const other = await open({}, address);
+  assert.equal(await other.page.getByLabel("Name of the design").inputValue(), "night <b>");
+  assert.equal(await pixels(other.page), picture);
+  assert.equal(await other.page.locator("#luminance-value").textContent(), "0.1 cd/m²");
+  // The camera file opens too, as a step that can be undone; what is no camera is refused with the reason.
+  await other.page.locator("#file").setInputFiles({ name: "mine.toml", mimeType: "text/plain", buffer: Buffer.from(file.content.toString().replace('name = "night <b>"', 'name = "mine"')) });
+  await other.page.waitForFunction(() => document.getElementById("name").value === "mine");
+  await other.page.locator("#file").setInputFiles({ name: "bad.toml", mimeType: "text/plain", buffer: Buffer.from("[sensor]\nrows = \"many\"\n") });
+  await other.page.locator("#message[data-kind=trouble]", { hasText: "rows" }).waitFor();
+  await other.page.locator("#file").setInputFiles({ name: "red.csv", mimeType: "text/csv", buffer: Buffer.from("nm,percent\n400,0\n600,10\n610,90\n700,80\n") });
+  await other.page.locator("#message", { hasText: "read as percent" }).waitFor();
+  assert.deepEqual(other.faults, []);
+  await other.close();
+  const broken = await open({}, `${address.slice(0, -20)}`);
+  await broken.page.locator("#message[data-kind=trouble]", { hasText: "the address is cut off or changed" }).waitFor();
+  await broken.close();
+});
+
+test("the keyboard does it all", async () => {
+  const { page, faults, close } = await open();
+  await page.getByRole("gridcell", { name: "Row 1, column 1" }).focus();
+  await page.keyboard.press("ArrowRight");
+  await page.keyboard.press("r");
+  await page.keyboard.press("Shift+ArrowDown");
+  assert.deepEqual(await cells(page), ["RR", "GR"]);
+  await page.keyboard.press("3");
+  assert.equal((await cells(page))[1][1], await page.locator("#palette [role=radio]").nth(2).textContent());
+  await page.keyboard.press("Control+z");
+  await page.keyboard.press("Control+z");
+  assert.deepEqual(await cells(page), ["RG", "GB"]);
+  await page.getByRole("radio", { name: "Filter" }).first().focus();
+  await page.keyboard.press("ArrowRight");
+  const selected = await page.locator("#palette [aria-checked=true]").textContent();
+  await page.getByLabel(`Shape of filter ${selected}`).selectOption("gaussian");
+  const handle = page.getByRole("slider", { name: `${selected}: Centre and peak` });
+  const before = Number(await handle.getAttribute("aria-valuenow"));
+  await handle.focus();
+  await page.keyboard.press("Shift+ArrowRight");
+  assert.ok(Math.abs(Number(await handle.getAttribute("aria-valuenow")) - before - 10) <= 1);
+  await page.getByLabel("Rows").fill("4");
+  await page.getByLabel("Rows").press("Enter");
+  assert.equal((await cells(page)).length, 4);
+  await page.locator("#stage").focus();
+  await page.keyboard.press("4");
+  await page.locator("#scale").waitFor();
+  await page.keyboard.press("f");
+  await page.locator("#caption", { hasText: /^Reference$/ }).waitFor();
+  await settled(page);
+  assert.deepEqual(faults, []);
+  await close();
+});
+
+for (const colorScheme of ["light", "dark"]) {
+  test(`it is accessible and fits from 360 px to 4K in ${colorScheme}`, async () => {
+    const { page, faults, close } = await open({ colorScheme });
+    // A mosaic with a clear filter, and a difference from what is pinned.
+    await page.getByLabel("Start from").selectOption("rgbw");
+    await settled(page);
+    for (const [width, height] of [[360, 800], [390, 844], [1440, 900], [3840, 2160]]) {
+      await page.setViewportSize({ width, height });
+      await page.waitForTimeout(100);
+      assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), `${width}`);
+      assert.deepEqual(await axe(page), [], `${width}`);
+      if (process.env.SMALTI_PICTURES) await page.screenshot({ path: join(process.env.SMALTI_PICTURES, `studio-${width}-${colorScheme}.png`), fullPage: width < 1000 });
+    }
+    // axe.run is evaluated in the page, whose policy admits no other script.
+    assert.deepEqual(faults.filter((f) => !f.includes("Content Security Policy")), []);
+    await close();
+  });
+}
+
+test("the exported folder works from any web server, and nothing moves while it starts", async () => {
+  run("studio", "bayer", "--export", "site", "--quiet");
+  const types = { ".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".json": "application/json" };
+  const other = createServer(async (request, response) => {
+    const path = new URL(request.url, "http://x").pathname.replace(/^\/deep\//, "/").replace(/\/$/, "/index.html");
+    try {
+      response.setHeader("Content-Type", types[extname(path)] ?? "application/octet-stream");
+      response.end(await readFile(join(dir, "site", path)));
+    } catch {
+      response.writeHead(404).end();
+    }
+  });
+  other.listen(0, "127.0.0.1");
+  await once(other, "listening");
+  const { page, faults, close } = await open({}, `http://127.0.0.1:${other.address().port}/deep/`);
+  assert.deepEqual(await cells(page), ["RG", "GB"]);
+  const shift = await page.evaluate(() => new Promise((resolve) => {
+    let sum = 0;
+    new PerformanceObserver((list) => { for (const entry of list.getEntries()) sum += entry.value; }).observe({ type: "layout-shift", buffered: true });
+    setTimeout(() => resolve(sum), 300);
+  }));
+  assert.ok(shift < 0.1, `layout shift ${shift}`);
+  assert.deepEqual(faults, []);
+  await close();
+  other.close();
+});
+
+test("what does not come from the own page is refused", async () => {
+  const origin = new URL(server.address).origin;
+  const ask = async (path, options = {}, base = server.address) => {
+    const response = await fetch(base + path, options);
+    return [response.status, response.headers, await response.text()];
+  };
+  const [ok, headers] = await ask("");
+  assert.equal(ok, 200);
+  assert.match(headers.get("content-security-policy"), /default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; .*frame-ancestors 'none'/);
+  assert.equal(headers.get("cross-origin-resource-policy"), "same-origin");
+  const expected = [
+    [403, await ask("", {}, server.address.replace(/[0-9a-f]{32}/, "0".repeat(32)))],
+    [403, await ask("main.js", {}, `${origin}/`)],
+    [403, await ask("", { headers: { Origin: "http://evil.example" } })],
+    [403, await ask("engine/manifest.json", { headers: { "Sec-Fetch-Site": "cross-site" } })],
+    [403, await ask("", { method: "POST", body: "x" })],
+    [405, await ask("", { method: "POST", body: "x", headers: { Origin: origin } })],
+    [405, await ask("start.toml", { method: "PUT", body: "x".repeat(100_000), headers: { Origin: origin } })],
+    [404, await ask("engine/..%2f..%2fstart.toml")],
+    [404, await ask("%2e%2e%2f%2e%2e%2fetc/passwd")],
+    [404, await ask("engine/")],
+    [404, await ask("%00")],
+  ];
+  for (const [i, [status, [got, , text]]] of expected.entries()) assert.equal(got, status, `request ${i}: ${text}`);
+  // A page of another origin cannot read the design, with the address known.
+  const foreign = createServer((_, response) => { response.setHeader("Content-Type", "text/html"); response.end("<!doctype html><title>other</title>"); });
+  foreign.listen(0, "127.0.0.1");
+  await once(foreign, "listening");
+  const other = await (await browser.newContext()).newPage();
+  await other.goto(`http://127.0.0.1:${foreign.address().port}/`);
+  const reached = await other.evaluate((address) => fetch(`${address}start.toml`).then((r) => r.type, () => "refused"), server.address);
+  assert.equal(reached, "refused");
+  foreign.close();
+});
