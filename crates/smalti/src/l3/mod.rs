@@ -59,8 +59,9 @@ pub use multiply_adds::MultiplyAdds;
 pub use pair::Pair;
 pub use pipeline::{Class, Kernels, Origin, Pipeline, PipelineParts};
 pub use refine::{
-    FixedRefinement, Polynomial, REFINEMENT_INPUTS, REFINEMENT_LANES, REFINEMENT_LINEAR_INPUTS, REFINEMENT_REVISION, Refinement,
-    RefinementAxes, RefinementClass, RefinementPicture, RefinementStatistics,
+    FixedRefinement, Polynomial, REFINEMENT_INPUTS, REFINEMENT_LANES, REFINEMENT_LINEAR_INPUTS,
+    REFINEMENT_REVISION, Refinement, RefinementAxes, RefinementClass, RefinementPicture,
+    RefinementStatistics,
 };
 pub use registration::{
     Aligned, GOOD_CORRELATION, GOOD_RESIDUAL_PX, MIN_CORRELATION, MIN_SIDE, RESOLVED_SHIFT_PX, Registration,

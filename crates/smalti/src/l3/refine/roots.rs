@@ -14,8 +14,8 @@ pub(super) const ROOTS: usize = 3;
 
 /// Linear red, green and blue of ITU-R BT.2020 from X, Y, Z: primaries so wide that hardly any surface has a negative channel.
 const RGB_FROM_XYZ: [[f32; 3]; 3] = [
-    [1.716_651_2, -0.355_670_78, -0.253_366_28],
-    [-0.666_684_35, 1.616_481_2, 0.015_768_546],
+    [1.716_651_2, -0.355_670_78, -0.253_366_3],
+    [-0.666_684_3, 1.616_481_2, 0.015_768_547],
     [0.017_639_857, -0.042_770_613, 0.942_103_1],
 ];
 
