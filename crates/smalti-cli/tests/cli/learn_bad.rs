@@ -232,7 +232,7 @@ fn raws_and_tables_that_do_not_fit() {
         &place,
         "render good/raw.dng --pipeline bad.l3 -o a.png",
         1,
-        &["bad.l3", "version 9", "version 1 or 2 or 3 or 4 is read here"],
+        &["bad.l3", "version 9", "version 1 or 2 or 3 or 4 or 5 is read here"],
     );
 }
 

@@ -162,7 +162,7 @@ impl Whole {
 }
 
 /// v / 2^places, halves away from zero.
-pub(super) fn rounded(v: i64, places: u32) -> i64 {
+fn rounded(v: i64, places: u32) -> i64 {
     let half = (1i64 << places) >> 1;
     let magnitude = (v.abs() + half) >> places;
     if v < 0 { -magnitude } else { magnitude }

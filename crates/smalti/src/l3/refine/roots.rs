@@ -6,7 +6,6 @@
 //! [finlayson2015]: https://doi.org/10.1109/TIP.2015.2405336
 
 use super::super::blocks::LANES;
-use super::fixed::rounded;
 use crate::numeric::simd::{Kernel, dispatch};
 
 /// Number of terms.
@@ -30,13 +29,13 @@ pub(super) fn roots(x: f32, y: f32, z: f32) -> [f32; ROOTS] {
     [(r * g).sqrt(), (g * b).sqrt(), (b * r).sqrt()]
 }
 
-/// The roots of a colour in integers of any one unit, rounded down. Channels are rounded, halves away from zero.
+/// The roots of a colour in integers of any one unit, rounded down. Channels are rounded to the nearest integer, and negative ones count as 0.
 pub(super) fn fixed_roots(colour: [i32; 3]) -> [i32; ROOTS] {
     let channel = |m: [f32; 3]| {
         // The coefficients have 30 binary places, so that they are exact.
         let products = m.map(|m| (f64::from(m) * f64::from(1u32 << 30)) as i64).into_iter().zip(colour);
         let sum: i64 = products.map(|(m, v)| m * i64::from(v)).sum();
-        rounded(sum, 30).max(0) as u64
+        ((sum.max(0) + (1 << 29)) >> 30) as u64
     };
     let [r, g, b] = RGB_FROM_XYZ.map(channel);
     [r * g, g * b, b * r].map(|product| product.isqrt() as i32)
