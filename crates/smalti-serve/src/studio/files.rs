@@ -4,8 +4,10 @@ use std::borrow::Cow;
 
 use smalti_io::studio::StudioAsset;
 
-use super::START;
-
+/// The page.
+pub(super) const PAGE: &str = "index.html";
+/// The camera with which the page opens, a camera file.
+pub const START: &str = "start.toml";
 /// The folder of the simulator and its data.
 const ENGINE: &str = "engine";
 
@@ -81,7 +83,6 @@ pub fn files(start: &str, assets: Vec<StudioAsset>) -> Vec<PageFile> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::PAGE;
     use super::*;
 
     #[test]

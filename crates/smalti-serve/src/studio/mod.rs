@@ -10,12 +10,8 @@ use axum::body::Bytes;
 use axum::http::header::{CONTENT_SECURITY_POLICY, CONTENT_TYPE};
 use axum::routing::get;
 
-pub use files::{PageFile, files};
-
-/// The page.
-const PAGE: &str = "index.html";
-/// The camera with which the page opens, a camera file.
-pub const START: &str = "start.toml";
+use files::PAGE;
+pub use files::{PageFile, START, files};
 
 /// As for other pages, and the module of the simulator may be compiled.
 const POLICY: &str = "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self'; img-src 'self' blob: data:; connect-src 'self'; \
