@@ -29,7 +29,7 @@ pub(super) fn roots(x: f32, y: f32, z: f32) -> [f32; ROOTS] {
     [(r * g).sqrt(), (g * b).sqrt(), (b * r).sqrt()]
 }
 
-/// The roots of a colour in integers of any one unit, rounded down. Channels are rounded to the nearest integer, and negative ones count as 0.
+/// The roots of a colour in integers of any one unit, rounded to the nearest integer. Channels are rounded to the nearest integer, and negative ones count as 0.
 pub(super) fn fixed_roots(colour: [i32; 3]) -> [i32; ROOTS] {
     let channel = |m: [f32; 3]| {
         // The coefficients have 30 binary places, so that they are exact.
@@ -38,7 +38,7 @@ pub(super) fn fixed_roots(colour: [i32; 3]) -> [i32; ROOTS] {
         ((sum.max(0) + (1 << 29)) >> 30) as u64
     };
     let [r, g, b] = RGB_FROM_XYZ.map(channel);
-    [r * g, g * b, b * r].map(|product| product.isqrt() as i32)
+    [r * g, g * b, b * r].map(|product| ((4 * product).isqrt() as i32 + 1) / 2)
 }
 
 /// The roots of a row: X, Y, Z and the terms, each in a line. All lines are equally long.

@@ -9,7 +9,7 @@ use super::super::solve::{Solution, regularised};
 use super::super::{L3Error, Moments, blocks};
 use super::axes::RefinementAxes;
 use super::classes::{Scratch, classify};
-use super::inputs::{COUNT, Lines, OUTPUTS, OWN};
+use super::inputs::{COUNT, LINEAR, Lines, OUTPUTS, OWN};
 use super::refinement::{Refinement, RefinementClass};
 use super::stages::Stages;
 use crate::numeric::Planes;
@@ -29,6 +29,14 @@ const BAND_ROWS: usize = 64;
 const PIXELS_PER_INPUT: u64 = 10;
 /// Variance that is added to that of every input, relative to their mean, because inputs resemble each other.
 const LOAD: f64 = 1e-6;
+
+/// The same for the roots, so that few colours do not teach corrections that no other colour needs.
+const ROOTS_LOAD: f64 = 1e-4;
+
+/// The variance that is added to that of an input.
+fn load(input: usize) -> f64 {
+    if input < LINEAR { LOAD } else { ROOTS_LOAD }
+}
 
 /// Moments of the inputs and targets of every class, gathered in one pass in constant memory.
 #[derive(Debug, Clone, PartialEq)]
@@ -130,7 +138,7 @@ impl RefinementStatistics {
             let count = self.classes.get(&class).map_or(0, Moments::count);
             let solution = match self.pooled(class, least) {
                 Some(moments) => {
-                    let solution = regularised(&moments, COUNT, OUTPUTS, LOAD);
+                    let solution = regularised(&moments, COUNT, OUTPUTS, load);
                     solution.ok_or(L3Error::Singular(class as usize))?
                 }
                 None => identity(),

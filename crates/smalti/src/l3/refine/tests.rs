@@ -338,7 +338,7 @@ fn roots_scale_with_the_light_in_both_arithmetics() {
         let doubled = super::roots::roots(2.0 * x, 2.0 * y, 2.0 * z);
         assert!(own.iter().zip(doubled).all(|(a, b)| (2.0 * a - b).abs() < 1e-6), "{own:?} {doubled:?}");
     }
-    // In integers they are rounded down.
+    // In integers they are rounded.
     for colour in colours {
         let whole = colour.map(|v| (f64::from(v) * f64::from(1u32 << 20)).round() as i32);
         let float = super::roots::roots(colour[0], colour[1], colour[2]);

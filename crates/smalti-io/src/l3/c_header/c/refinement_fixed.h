@@ -121,14 +121,15 @@ static inline uint32_t @p@_refined_class(const @p@_picture *p, int32_t row, int3
     return (uint32_t)(level * @P@_STRUCTURES + 1 + (strength - 1) * (1 + @P@_ORIENTATIONS) + kind);
 }
 
-/* Floor of the square root. */
+/* The square root, rounded to the nearest integer. */
 static inline int32_t @p@_root(uint64_t v)
 {
-    uint64_t root = 0, bit = UINT64_C(1) << 24;
+    uint64_t root = 0, bit = UINT64_C(1) << 26;
+    v *= 4;
     for (; bit != 0; bit >>= 1)
         if ((root + bit) * (root + bit) <= v)
             root += bit;
-    return (int32_t)root;
+    return (int32_t)((root + 1) / 2);
 }
 
 /* Square roots of products of red, green and blue of ITU-R BT.2020. Negative channels count as 0. */
