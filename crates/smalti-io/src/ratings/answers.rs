@@ -111,7 +111,14 @@ pub struct Observer {
 #[derive(Debug)]
 pub struct AnswerFolder {
     dir: PathBuf,
-    _lock: File,
+    lock: File,
+}
+
+impl Drop for AnswerFolder {
+    fn drop(&mut self) {
+        // Closing the file would not do it at once while a program that is being started still has it.
+        let _ = self.lock.unlock();
+    }
 }
 
 impl AnswerFolder {
@@ -127,7 +134,7 @@ impl AnswerFolder {
         let lock =
             File::options().read(true).write(true).create(true).truncate(false).open(&path).map_err(io)?;
         match lock.try_lock() {
-            Ok(()) => Ok(Self { dir, _lock: lock }),
+            Ok(()) => Ok(Self { dir, lock }),
             Err(TryLockError::WouldBlock) => {
                 let busy = "another server of this experiment is running; expected one at a time";
                 Err(io(io::Error::new(io::ErrorKind::WouldBlock, busy)))
