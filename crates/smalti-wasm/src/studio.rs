@@ -119,7 +119,6 @@ impl Studio {
             self.trial = Some((number, preview.design(&trials.trial(number)?.design)?));
         }
         let (_, design) = self.trial.as_ref().ok_or(StudioError::NoSetup)?;
-        let rgb = preview.picture(design, scene, noise)?.rgb8();
-        Ok(rgb.as_chunks().0.iter().flat_map(|&[r, g, b]| [r, g, b, u8::MAX]).collect())
+        Ok(preview.picture(design, scene, noise)?.rgba8())
     }
 }

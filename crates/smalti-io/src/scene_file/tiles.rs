@@ -132,14 +132,7 @@ impl Tiles for Whole<'_> {
 
 /// A part of planes that has been found to lie within them.
 pub(crate) fn cropped(planes: &Planes, part: Crop, path: &Path) -> Result<Planes, IoError> {
-    let cols = planes.cols().max(1);
-    let mut data = Vec::with_capacity(planes.count() * part.rows * part.cols);
-    for plane in planes.planes() {
-        for row in plane.chunks_exact(cols).skip(part.row).take(part.rows) {
-            data.extend(row.iter().skip(part.col).take(part.cols));
-        }
-    }
-    Planes::new(part.rows, part.cols, planes.count(), data).at(path)
+    planes.cropped(part.row, part.col, part.rows, part.cols).at(path)
 }
 
 /// A part of an image as an image.

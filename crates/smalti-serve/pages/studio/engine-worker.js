@@ -91,7 +91,7 @@ const tasks = {
     wasm = (await WebAssembly.instantiate(module)).instance.exports;
     return { ...manifest, catalogue: ask("catalogue", {}).said };
   },
-  draw: async (content) => {
+  draw: async ({ measure, ...content }) => {
     await Promise.all([load(manifest.training, TRAINING), load_scene(content.scene)]);
     const times = [performance.now()];
     const timed = (/** @type {string} */ part) => {
@@ -101,7 +101,7 @@ const tasks = {
     };
     const { said: learned } = timed("learn");
     const { said, bytes } = timed("draw");
-    const measured = content.measure ? timed("measure") : null;
+    const measured = measure ? timed("measure") : null;
     const [learn, draw, score] = times.slice(1).map((time, i) => time - times[i]);
     const all = measured ? joined(bytes, measured.bytes) : bytes;
     return { said: { ...learned, ...said, scores: measured?.said ?? null, timings_ms: { learn, draw, score: score ?? 0 } }, bytes: all };

@@ -137,18 +137,15 @@ impl Engine {
             Request::Scores(request) => {
                 let camera = camera(request.design)?;
                 let observer = self.observer(&camera)?;
-                let statistics =
-                    self.statistics.as_ref().ok_or(EngineError::Missing("the statistics of light"))?;
                 let wanted = figures::Wanted {
                     luminances_cd_m2: &request.luminances_cd_m2,
                     derivatives: request.derivatives,
                 };
-                Answer::of(&figures::scores(&camera, statistics, &observer, wanted)?)
+                Answer::of(&figures::scores(&camera, self.statistics()?, &observer, wanted)?)
             }
             Request::Curves { design } => Answer::of(&figures::curves(&camera(design)?, &Illuminant::D65)?),
             Request::Improve(request) => {
-                let statistics =
-                    self.statistics.as_ref().ok_or(EngineError::Missing("the statistics of light"))?;
+                let statistics = self.statistics()?;
                 let design = text::description(request.design.clone())?;
                 let improving = Improving::new(design, statistics, &request)?;
                 let step = improving.said()?;
@@ -167,6 +164,10 @@ impl Engine {
 
     fn learner(&mut self) -> Result<&mut LiveLearner, EngineError> {
         self.learner.as_mut().ok_or(EngineError::Missing("the light of the training scene"))
+    }
+
+    fn statistics(&self) -> Result<&LightStatistics, EngineError> {
+        self.statistics.as_ref().ok_or(EngineError::Missing("the statistics of light"))
     }
 
     fn observer(&mut self, camera: &Camera) -> Result<ColorimetricObserver, EngineError> {

@@ -47,9 +47,6 @@ pub(super) struct DrawRequest {
     pub(super) luminance_cd_m2: f64,
     #[serde(default)]
     pub(super) crop: Option<LiveCrop>,
-    #[serde(default)]
-    #[allow(dead_code, reason = "the worker asks for scores when it is set")]
-    measure: bool,
     #[serde(default = "yes")]
     pub(super) noise: bool,
     #[serde(default)]

@@ -32,6 +32,9 @@ impl Primaries {
     /// Display P3: the primaries of SMPTE EG 432-1 with D65 white.
     pub const DISPLAY_P3: Self =
         Self { red: [0.680, 0.320], green: [0.265, 0.690], blue: [0.150, 0.060], white: D65_XY };
+    /// ITU-R BT.2020 with D65 white. Its primaries are spectral colours.
+    pub const BT2020: Self =
+        Self { red: [0.708, 0.292], green: [0.170, 0.797], blue: [0.131, 0.046], white: D65_XY };
     /// ROMM RGB (ISO 22028-2), with the white D50.
     pub const ROMM: Self = Self {
         red: [0.7347, 0.2653],
@@ -86,6 +89,7 @@ pub(crate) struct Matrices {
 impl Matrices {
     pub(crate) const SRGB: Self = Self::of(&Primaries::SRGB);
     pub(crate) const DISPLAY_P3: Self = Self::of(&Primaries::DISPLAY_P3);
+    pub(crate) const BT2020: Self = Self::of(&Primaries::BT2020);
 
     const fn of(primaries: &Primaries) -> Self {
         Self { xyz_from_rgb: known(primaries.xyz_from_rgb()), rgb_from_xyz: known(primaries.rgb_from_xyz()) }

@@ -41,6 +41,12 @@ impl Image {
         r.iter().zip(g).zip(b).flat_map(|((&r, &g), &b)| [r, g, b].map(byte)).collect()
     }
 
+    /// The same with a fourth byte, full opacity, after those of each pixel.
+    #[must_use]
+    pub fn rgba8(&self) -> Vec<u8> {
+        self.rgb8().as_chunks().0.iter().flat_map(|&[r, g, b]| [r, g, b, u8::MAX]).collect()
+    }
+
     /// Converts a picture in XYZ to sRGB for viewing. It is multiplied by `gain`, and its white (X, Y, Z with Y = 1) is adapted to
     /// that of sRGB (Bradford). Without a white, colours are not adapted.
     ///

@@ -5,6 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use super::class_light::{BrightScene, ClassLight, EvenPatches, LightSystem, Saturated};
 use super::imaged_scene::brightest;
+use super::latest::keep_latest;
 use super::pixel_light::PixelLight;
 use super::targets::{has_independent_samples, response, samples_per_rate};
 use super::training_data::{ExposedDesign, SURFACE_PATCHES, TrainingData};
@@ -157,11 +158,8 @@ impl LightTrainer {
             Ok::<_, CameraError>(Arc::new(classes))
         };
         let classes = known.map_or_else(gather, Ok)?;
-        let mut kept = kept();
-        if kept.len() >= KEPT {
-            kept.pop_front();
-        }
-        kept.push_back(Kept { mosaic: mosaic.clone(), key, classes: classes.clone() });
+        let new = Kept { mosaic: mosaic.clone(), key, classes: classes.clone() };
+        keep_latest(&mut kept(), KEPT, new);
         Ok(classes)
     }
 

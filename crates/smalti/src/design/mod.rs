@@ -11,6 +11,7 @@ mod deviation;
 mod error;
 mod filters;
 mod imaged_scene;
+mod latest;
 mod learning_settings;
 pub mod light;
 mod light_trainer;

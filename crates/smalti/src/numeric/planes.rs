@@ -49,6 +49,21 @@ impl Planes {
         Self { rows, cols, count, data: vec![0.0; rows * cols * count] }
     }
 
+    /// The part of `rows` × `cols` values of every plane from `row` and `col` on.
+    ///
+    /// # Errors
+    /// When it reaches beyond the planes.
+    pub fn cropped(&self, row: usize, col: usize, rows: usize, cols: usize) -> Result<Self, ShapeError> {
+        let mut data =
+            Vec::with_capacity(self.count.saturating_mul(rows).saturating_mul(cols).min(self.data.len()));
+        for plane in self.planes() {
+            for line in plane.chunks_exact(self.cols.max(1)).skip(row).take(rows) {
+                data.extend(line.iter().skip(col).take(cols));
+            }
+        }
+        Self::new(rows, cols, self.count, data)
+    }
+
     /// Rows of each plane.
     #[must_use]
     pub fn rows(&self) -> usize {
@@ -137,6 +152,15 @@ mod tests {
     fn a_wrong_length_is_refused() {
         assert!(Planes::new(2, 3, 2, vec![0.0; 11]).is_err());
         assert!(Planes::new(usize::MAX, 3, 2, vec![0.0; 11]).is_err());
+    }
+
+    #[test]
+    fn a_part_lies_within_every_plane() {
+        let all = Planes::new(3, 4, 2, (0..24).map(|i| i as f32).collect()).unwrap();
+        let part = all.cropped(1, 2, 2, 2).unwrap();
+        assert_eq!(part.data(), [6.0, 7.0, 10.0, 11.0, 18.0, 19.0, 22.0, 23.0]);
+        assert!(all.cropped(2, 0, 2, 4).is_err() && all.cropped(0, 3, 3, 2).is_err());
+        assert!(all.cropped(usize::MAX, 0, 1, 1).is_err() && all.cropped(0, 0, usize::MAX, 2).is_err());
     }
 
     #[test]

@@ -204,13 +204,7 @@ impl Scene {
         let fits = |from: usize, count: usize, all: usize| count > 0 && from <= all && count <= all - from;
         require(fits(row, rows, all_rows), "rows", rows as f64, "at least 1, within the scene")?;
         require(fits(col, cols, all_cols), "cols", cols as f64, "at least 1, within the scene")?;
-        let mut part = Planes::zeros(rows, cols, self.radiance.planes().count());
-        for (to, from) in part.data_mut().chunks_exact_mut(rows * cols).zip(self.radiance.planes().planes()) {
-            let kept = from.chunks_exact(all_cols).skip(row);
-            for (to, from) in to.chunks_exact_mut(cols).zip(kept) {
-                to.copy_from_slice(&from[col..col + cols]);
-            }
-        }
+        let part = self.radiance.planes().cropped(row, col, rows, cols).map_err(SpectrumError::from)?;
         let half = (self.horizontal_fov_deg / 2.0).to_radians().tan() * cols as f64 / all_cols as f64;
         let horizontal_fov_deg = 2.0 * half.atan().to_degrees();
         let radiance = SpectralCube::new(self.radiance.grid(), part)?;

@@ -163,6 +163,9 @@ impl Header<'_> {
         self.line("/* The same for the noise that sums of squares of gradients are compared with, of sums of Y of 16 pixels. */");
         let noise = polynomial(&fixed.noise);
         self.table("int64_t", "noise", "[5]", &[noise.trim_matches(['{', '}'])]);
+        self.line("/* Red, green and blue of ITU-R BT.2020 from X, Y, Z, with 30 binary places. */");
+        let row = |row: [i64; 3]| braced(row.map(|v| format!("INT64_C({v})")));
+        self.table("int64_t", "rgb_from_xyz", "[3][3]", &fixed.rgb_from_xyz.map(row));
         if !fixed.cuts.is_empty() {
             let cuts: Vec<String> = fixed.cuts.iter().map(|c| format!("INT64_C({c})")).collect();
             self.table("int64_t", "refined_cuts", &format!("[{upper}_REFINED_LEVELS - 1]"), &cuts);

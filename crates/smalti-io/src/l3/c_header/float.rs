@@ -1,6 +1,6 @@
 //! A header in single precision.
 
-use smalti::l3::{Pipeline, REFINEMENT_LANES, Refinement, Textures};
+use smalti::l3::{Pipeline, REFINEMENT_LANES, REFINEMENT_RGB_FROM_XYZ, Refinement, Textures};
 
 use super::refinement::{OUTPUTS, of_stage};
 use super::{Header, RAW, braced, contrast};
@@ -103,6 +103,9 @@ impl Header<'_> {
         self.line("/* Of each picture: coefficients of 1, Y, Y * Y in the difference beyond which neighbours do not count. */");
         let squares = axes.pictures().map(|p| braced(p.squares.map(float)));
         self.table("float", "squares", &format!("[{upper}_PICTURES][3]"), &squares);
+        self.line("/* Red, green and blue of ITU-R BT.2020 from X, Y, Z. */");
+        let rgb = REFINEMENT_RGB_FROM_XYZ.map(|row| braced(row.map(float)));
+        self.table("float", "rgb_from_xyz", "[3][3]", &rgb);
         if axes.levels().count() > 1 {
             let cuts: Vec<String> = axes.levels().cuts().iter().map(|&c| float(c)).collect();
             self.table("float", "refined_cuts", &format!("[{upper}_REFINED_LEVELS - 1]"), &cuts);

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
-use std::process::Command;
+use std::process::{Command, Output};
 
 use smalti::l3::{Pair, Pipeline, Statistics, Textures};
 use smalti::numeric::Planes;
@@ -57,6 +57,15 @@ pub(crate) fn compile(dir: &Path, source: &str, options: &[&str]) -> Option<()> 
     };
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     Some(())
+}
+
+/// Runs the compiled program on samples; it writes `out.bin`.
+pub(crate) fn run(dir: &Path, samples: &[u16], [rows, cols]: [usize; 2], phase: [usize; 2]) -> Output {
+    std::fs::write(dir.join("raw.bin"), samples.iter().flat_map(|s| s.to_ne_bytes()).collect::<Vec<_>>())
+        .unwrap();
+    let numbers = [rows, cols, phase[0], phase[1]].map(|n| n.to_string());
+    let mut program = Command::new(dir.join("main"));
+    program.current_dir(dir).args(["raw.bin", "out.bin"]).args(&numbers).output().unwrap()
 }
 
 /// The place that stands in for one beyond the ends: of the same phase, nearest to the mirrored one.
@@ -194,15 +203,7 @@ fn check(r: &Recipe, rows: usize, cols: usize, phase: [usize; 2]) -> Option<()> 
     write_c_header(&dir.join("table.h"), &p, "my", CArithmetic::Integers).unwrap();
     compile(dir, PROGRAM, &[])?;
     let (image, samples) = raw(r, rows, cols, phase);
-    let bytes: Vec<u8> = samples.iter().flat_map(|s| s.to_ne_bytes()).collect();
-    std::fs::write(dir.join("raw.bin"), bytes).unwrap();
-    let numbers = [rows, cols, phase[0], phase[1]].map(|n| n.to_string());
-    let output = Command::new(dir.join("main"))
-        .current_dir(dir)
-        .args(["raw.bin", "out.bin"])
-        .args(&numbers)
-        .output()
-        .unwrap();
+    let output = run(dir, &samples, [rows, cols], phase);
     assert!(output.status.success(), "{:?} {r:?}", output.status);
     let printed: Vec<f64> =
         String::from_utf8(output.stdout).unwrap().split_whitespace().map(|n| n.parse().unwrap()).collect();

@@ -1,7 +1,6 @@
 //! The C header in single precision, and that of two stages in either arithmetic, compile without a warning and have the bits of the library.
 
 use std::collections::BTreeSet;
-use std::process::Command;
 
 use smalti::l3::{
     FixedRefinement, Levels, Pipeline, Quality, REFINEMENT_INPUTS, Refinement, RefinementAxes,
@@ -9,7 +8,7 @@ use smalti::l3::{
 };
 use smalti_io::l3::{CArithmetic, write_c_header};
 
-use super::c_header::{compile, phases};
+use super::c_header::{compile, phases, run};
 use super::fixtures::{Recipe, bayer, picture_pipeline_of, pipeline, raw, recipes, second_stage_of};
 
 const PROGRAM: &str = r#"
@@ -85,15 +84,7 @@ fn written(
     let trapping = ["-fsanitize=undefined", "-fno-sanitize-recover", "-fsanitize-undefined-trap-on-error"];
     compile(dir, PROGRAM, &trapping)?;
     let (_, samples) = raw(r, size[0], size[1], phase);
-    std::fs::write(dir.join("raw.bin"), samples.iter().flat_map(|s| s.to_ne_bytes()).collect::<Vec<_>>())
-        .unwrap();
-    let numbers = [size[0], size[1], phase[0], phase[1]].map(|n| n.to_string());
-    let output = Command::new(dir.join("main"))
-        .current_dir(dir)
-        .args(["raw.bin", "out.bin"])
-        .args(&numbers)
-        .output()
-        .unwrap();
+    let output = run(dir, &samples, size, phase);
     assert!(output.status.success(), "{:?} {r:?}", output.status);
     Some(std::fs::read(dir.join("out.bin")).unwrap())
 }

@@ -8,6 +8,7 @@ use crate::camera::description::{AutoExposureName, CameraDescription, CfaDescrip
 use crate::camera::stable_text::stable_text;
 use crate::camera::{Camera, CameraError};
 use crate::design::imaged_scene::ImagedScene;
+use crate::design::latest::keep_latest;
 use crate::design::pipeline_trainer::PipelineTrainer;
 use crate::design::pixel_light::PixelLight;
 use crate::design::targets::has_independent_samples;
@@ -165,10 +166,7 @@ impl LiveLearner {
         let trainer =
             PipelineTrainer::from_light(camera, &self.setup.learning, Arc::new(chart), light, seed)?;
         let trainer = Arc::new(trainer);
-        if self.kept.len() >= KEPT {
-            self.kept.pop_front();
-        }
-        self.kept.push_back((key, trainer.clone()));
+        keep_latest(&mut self.kept, KEPT, (key, trainer.clone()));
         Ok(trainer)
     }
 }

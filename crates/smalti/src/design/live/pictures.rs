@@ -11,6 +11,7 @@ use crate::camera::chart::LUMINANCE;
 use crate::camera::score::ReferenceToScore;
 use crate::camera::{Camera, CameraError, PictureScores, ScoreSettings};
 use crate::color::{ColorSpace, Image};
+use crate::design::latest::keep_latest;
 use crate::design::pixel_light::PixelLight;
 use crate::isp::Isp;
 use crate::numeric::Planes;
@@ -164,8 +165,7 @@ impl LivePictures {
     }
 
     fn shown(&self, image: &Image, factor: f64) -> Result<Vec<u8>, CameraError> {
-        let rgb = image.shown(Some(self.white), factor * self.gain)?.rgb8();
-        Ok(rgb.as_chunks().0.iter().flat_map(|&[r, g, b]| [r, g, b, u8::MAX]).collect())
+        Ok(image.shown(Some(self.white), factor * self.gain)?.rgba8())
     }
 
     /// The differences of a picture from the reference, as [`score_picture`](crate::camera::score_picture) has them.
@@ -179,7 +179,9 @@ impl LivePictures {
             None => {
                 let image = self.reference(Some(picture.crop))?;
                 let made = ReferenceToScore::new(&image, self.white, &ScoreSettings::default())?;
-                keep(&mut self.references, picture.crop, Arc::new(made))
+                let made = Arc::new(made);
+                keep_latest(&mut self.references, KEPT, (picture.crop, made.clone()));
+                made
             }
         };
         reference.score(&picture.picture.clone().scaled(1.0 / picture.scale))
@@ -217,17 +219,10 @@ impl LivePictures {
         let mut sensor = camera.sensor.clone();
         sensor.window = Some(window);
         let pixels = self.light.behind(&sensor, &design.lens, design.luminance_cd_m2)?;
-        Ok(keep(&mut self.kept, key, Arc::new(pixels)))
+        let pixels = Arc::new(pixels);
+        keep_latest(&mut self.kept, KEPT, (key, pixels.clone()));
+        Ok(pixels)
     }
-}
-
-/// Adds an entry in place of the oldest one.
-fn keep<K, V: Clone>(kept: &mut VecDeque<(K, V)>, key: K, value: V) -> V {
-    if kept.len() >= KEPT {
-        kept.pop_front();
-    }
-    kept.push_back((key, value.clone()));
-    value
 }
 
 /// The window of whole tiles around a part of a scene with the samples that its picture depends on.
@@ -249,12 +244,7 @@ fn part(image: &Image, crop: LiveCrop) -> Result<Image, CameraError> {
     if (rows, cols) == (image.rows(), image.cols()) {
         return Ok(image.clone());
     }
-    let mut planes = Planes::zeros(rows, cols, 3);
-    for (out, plane) in planes.planes_mut().zip(image.planes().planes()) {
-        for (r, out) in out.chunks_exact_mut(cols).enumerate() {
-            out.copy_from_slice(&plane[(row + r) * image.cols() + col..][..cols]);
-        }
-    }
+    let planes = image.planes().cropped(row, col, rows, cols).map_err(SensorError::from)?;
     Ok(Image::new(image.space(), planes)?)
 }
 

@@ -4,11 +4,11 @@ use rayon::prelude::*;
 
 use super::super::{L3Error, Textures};
 use super::axes::structure;
-use super::inputs::{COUNT, OUTPUTS, ROOTS_OF, SIDE_XZ, SIDE_Y};
+use super::inputs::{COUNT, NEIGHBOURHOODS, OUTPUTS, ROOTS_OF};
 use super::pictures::RefinementPicture;
 use super::polynomial::Polynomial;
 use super::refinement::Refinement;
-use super::roots::fixed_roots;
+use super::roots::{fixed_rgb_from_xyz, fixed_roots};
 use super::stages::{FINE, PICTURES, SCALES};
 use crate::numeric::Planes;
 use crate::numeric::mirror::about_outermost;
@@ -57,6 +57,8 @@ pub struct FixedRefinement {
     /// For each picture, 2⁴⁰ times the squared difference of colours beyond which neighbours do not count (X² + 2 Y² + Z²), of Y. All zeros for
     /// pictures that are not averaged.
     pub squares: [Polynomial; PICTURES],
+    /// Red, green and blue of the roots from X, Y, Z, with 30 binary places.
+    pub rgb_from_xyz: [[i64; 3]; 3],
     steps: [usize; PICTURES],
     halved: [bool; PICTURES],
     orientations: u32,
@@ -123,6 +125,7 @@ impl Refinement {
             strengths: strengths
                 .ok_or(L3Error::NoFixedPoint("a strength of its second stage is above 65535"))?,
             squares,
+            rgb_from_xyz: fixed_rgb_from_xyz(),
             steps: pictures.map(|p| p.step.unwrap_or(0)),
             halved: pictures.map(|p| p.is_half),
             orientations: axes.orientations() as u32,
@@ -228,7 +231,7 @@ impl FixedRefinement {
         let class = self.class(&pictures[1], row, col);
         let mut inputs = [0; COUNT];
         let mut places = inputs.iter_mut();
-        for (plane, side) in [(1, SIDE_Y), (0, SIDE_XZ), (2, SIDE_XZ)] {
+        for (plane, side) in NEIGHBOURHOODS {
             let half = (side / 2) as isize;
             for (r, c) in (-half..=half).flat_map(|r| (-half..=half).map(move |c| (r, c))) {
                 if let Some(place) = places.next() {
@@ -244,7 +247,7 @@ impl FixedRefinement {
             };
             smooth.into_iter().zip(places.by_ref()).for_each(|(v, place)| *place = v);
         }
-        let roots = fixed_roots(pictures[1 + ROOTS_OF].at(row, col));
+        let roots = fixed_roots(&self.rgb_from_xyz, pictures[1 + ROOTS_OF].at(row, col));
         roots.into_iter().zip(places).for_each(|(root, place)| *place = root);
         let shift = u32::from(self.shifts[class]);
         std::array::from_fn(|output| {

@@ -16,7 +16,7 @@ pub(super) const COUNT: usize = LINEAR + ROOTS;
 /// The smooth picture of the roots: little noise is left in it, and the root of noise is biased.
 pub(super) const ROOTS_OF: usize = 2;
 /// Neighbourhoods: the plane, and the side.
-const NEIGHBOURHOODS: [(usize, usize); 3] = [(1, SIDE_Y), (0, SIDE_XZ), (2, SIDE_XZ)];
+pub(super) const NEIGHBOURHOODS: [(usize, usize); 3] = [(1, SIDE_Y), (0, SIDE_XZ), (2, SIDE_XZ)];
 
 /// The input that is the pixel itself in X, Y, Z.
 pub(super) const OWN: [usize; OUTPUTS] = [

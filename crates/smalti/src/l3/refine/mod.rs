@@ -35,6 +35,7 @@ pub use fixed::FixedRefinement;
 pub use pictures::{REFINEMENT_LANES, RefinementPicture};
 pub use polynomial::Polynomial;
 pub use refinement::{REFINEMENT_INPUTS, REFINEMENT_LINEAR_INPUTS, Refinement, RefinementClass};
+pub use roots::REFINEMENT_RGB_FROM_XYZ;
 pub use statistics::{REFINEMENT_REVISION, RefinementStatistics};
 
 pub(super) use pictures::multiply_adds;

@@ -5,7 +5,7 @@ use super::inputs::{COUNT, OUTPUTS};
 use super::layout::{Kernels, REGISTERS};
 use super::refinement::Refinement;
 use super::roots::ROOTS;
-use super::stages::{AROUND, BEYOND, HALF, PICTURES, STEPS, squares_of};
+use super::stages::{BEYOND, HALF, PICTURES, STEPS, rows_read_again, squares_of};
 use crate::l3::blocks::LANES;
 use crate::l3::vectors::Register;
 
@@ -35,14 +35,13 @@ impl RefinementAxes {
     #[must_use]
     pub fn pictures(&self) -> [RefinementPicture; PICTURES] {
         std::array::from_fn(|index| {
-            let next = STEPS.get(index + 1).map_or(0, |step| 2 * step);
             let step = Some(STEPS[index]).filter(|&step| step > 0);
             RefinementPicture {
                 step,
                 is_half: index >= HALF,
                 squares: step.map_or([0.0; 3], |_| squares_of(index, self.noise())),
                 beyond: BEYOND[index],
-                kept: 1 + next.max(BEYOND[index] + AROUND),
+                kept: 1 + rows_read_again(index),
             }
         })
     }

@@ -6,17 +6,25 @@
 //! [finlayson2015]: https://doi.org/10.1109/TIP.2015.2405336
 
 use super::super::blocks::LANES;
+use crate::color::display::Matrices;
 use crate::numeric::simd::{Kernel, dispatch};
 
 /// Number of terms.
 pub(super) const ROOTS: usize = 3;
 
-/// Linear red, green and blue of ITU-R BT.2020 from X, Y, Z: primaries so wide that hardly any surface has a negative channel.
-const RGB_FROM_XYZ: [[f32; 3]; 3] = [
-    [1.716_651_2, -0.355_670_78, -0.253_366_3],
-    [-0.666_684_3, 1.616_481_2, 0.015_768_547],
-    [0.017_639_857, -0.042_770_613, 0.942_103_1],
-];
+/// Red, green and blue of the roots from X, Y, Z: linear ITU-R BT.2020, whose primaries are so wide that hardly any surface has a negative
+/// channel.
+pub const REFINEMENT_RGB_FROM_XYZ: [[f32; 3]; 3] = {
+    let [r, g, b] = Matrices::BT2020.rgb_from_xyz;
+    [single(r), single(g), single(b)]
+};
+
+const fn single([x, y, z]: [f64; 3]) -> [f32; 3] {
+    [x as f32, y as f32, z as f32]
+}
+
+/// Binary places of the coefficients in integers, in which they are exact.
+const PLACES: u32 = 30;
 
 /// √(r g), √(g b) and √(b r) of a colour. Negative channels count as 0.
 #[inline(always)]
@@ -25,19 +33,22 @@ pub(super) fn roots(x: f32, y: f32, z: f32) -> [f32; ROOTS] {
         let value = m[0] * x + m[1] * y + m[2] * z;
         if value > 0.0 { value } else { 0.0 }
     };
-    let [r, g, b] = RGB_FROM_XYZ.map(channel);
+    let [r, g, b] = REFINEMENT_RGB_FROM_XYZ.map(channel);
     [(r * g).sqrt(), (g * b).sqrt(), (b * r).sqrt()]
 }
 
-/// The roots of a colour in integers of any one unit, rounded to the nearest integer. Channels are rounded to the nearest integer, and negative ones count as 0.
-pub(super) fn fixed_roots(colour: [i32; 3]) -> [i32; ROOTS] {
-    let channel = |m: [f32; 3]| {
-        // The coefficients have 30 binary places, so that they are exact.
-        let products = m.map(|m| (f64::from(m) * f64::from(1u32 << 30)) as i64).into_iter().zip(colour);
-        let sum: i64 = products.map(|(m, v)| m * i64::from(v)).sum();
-        ((sum.max(0) + (1 << 29)) >> 30) as u64
-    };
-    let [r, g, b] = RGB_FROM_XYZ.map(channel);
+/// [`REFINEMENT_RGB_FROM_XYZ`] with 30 binary places.
+pub(super) fn fixed_rgb_from_xyz() -> [[i64; 3]; 3] {
+    REFINEMENT_RGB_FROM_XYZ.map(|row| row.map(|m| (f64::from(m) * f64::from(1u32 << PLACES)) as i64))
+}
+
+/// The roots of a colour in integers of any one unit, rounded to the nearest integer. Channels are rounded as well, and negative ones count
+/// as 0. The coefficients are those of [`fixed_rgb_from_xyz`].
+pub(super) fn fixed_roots(rgb_from_xyz: &[[i64; 3]; 3], colour: [i32; 3]) -> [i32; ROOTS] {
+    let [r, g, b] = rgb_from_xyz.map(|m| {
+        let sum: i64 = m.into_iter().zip(colour).map(|(m, v)| m * i64::from(v)).sum();
+        ((sum.max(0) + (1 << (PLACES - 1))) >> PLACES) as u64
+    });
     [r * g, g * b, b * r].map(|product| ((4 * product).isqrt() as i32 + 1) / 2)
 }
 

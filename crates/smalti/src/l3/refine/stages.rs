@@ -32,7 +32,7 @@ pub(in super::super) const REACH: usize = ROWS_BEYOND + 1;
 /// Rows and columns around a picture: at least the longest step, and what classes and products read.
 pub(super) const MARGIN: usize = 16;
 /// Rows around an output that classes and products read.
-pub(super) const AROUND: usize = 3;
+const AROUND: usize = 3;
 
 /// X, Y and Z of the rows of a picture, which is mirrored about its outermost pixels. It keeps all rows or the latest ones.
 pub(super) struct Padded {
@@ -188,6 +188,12 @@ pub(super) const BEYOND: [usize; PICTURES] = {
 /// Rows of the picture beyond the outputs that depend on them.
 pub(super) const ROWS_BEYOND: usize = BEYOND[0];
 
+/// Rows of a picture before its latest one that are read again: by the next picture, and by classes and products.
+pub(super) fn rows_read_again(index: usize) -> usize {
+    let next = STEPS.get(index + 1).map_or(0, |step| 2 * step);
+    next.max(BEYOND[index] + AROUND)
+}
+
 /// The stages of a few rows at a time, from the first row of a strip on. They need memory for the rows that are read again, and stay in the cache.
 pub(super) struct RollingStages {
     pub(super) stages: Stages,
@@ -207,10 +213,8 @@ impl RollingStages {
     /// For outputs from an even row on, of a picture of `rows` × `cols`.
     pub(super) fn new(first: usize, rows: usize, cols: usize, noise: [f32; 3]) -> Self {
         let padded = |index: usize| {
-            // What the next picture reads, and what classes and products read.
-            let next = STEPS.get(index + 1).map_or(0, |step| 2 * step);
             let [rows, cols] = size_of(index, [rows, cols]);
-            Padded::keeping(Self::ROWS + next.max(BEYOND[index] + AROUND), rows, cols)
+            Padded::keeping(Self::ROWS + rows_read_again(index), rows, cols)
         };
         let first = first as isize;
         Self {

@@ -342,11 +342,20 @@ fn roots_scale_with_the_light_in_both_arithmetics() {
     for colour in colours {
         let whole = colour.map(|v| (f64::from(v) * f64::from(1u32 << 20)).round() as i32);
         let float = super::roots::roots(colour[0], colour[1], colour[2]);
-        for (whole, float) in super::roots::fixed_roots(whole).into_iter().zip(float) {
+        for (whole, float) in
+            super::roots::fixed_roots(&super::roots::fixed_rgb_from_xyz(), whole).into_iter().zip(float)
+        {
             let error = f64::from(whole) / f64::from(1u32 << 20) - f64::from(float);
             assert!(error.abs() < 3e-6, "{colour:?}: {error}");
         }
     }
+    // The coefficients that docs/formats-l3.md states.
+    let stated = [
+        [1.716_651_2, -0.355_670_78, -0.253_366_3],
+        [-0.666_684_3, 1.616_481_2, 0.015_768_547],
+        [0.017_639_857, -0.042_770_613, 0.942_103_1],
+    ];
+    assert_eq!(REFINEMENT_RGB_FROM_XYZ, stated);
     // White of D65 is grey, of which every root is the luminance.
     let white = super::roots::roots(0.950_456, 1.0, 1.089_058);
     assert!(white.iter().all(|v| (v - 1.0).abs() < 1e-3), "{white:?}");

@@ -135,16 +135,12 @@ static inline int32_t @p@_root(uint64_t v)
 /* Square roots of products of red, green and blue of ITU-R BT.2020. Negative channels count as 0. */
 static inline void @p@_roots(const @p@_picture *p, int32_t row, int32_t col, int32_t out[3])
 {
-    /* 30 binary places. */
-    static const int64_t from_xyz[3][3] = { { INT64_C(1843240192), INT64_C(-381898592), INT64_C(-272049984) },
-                                        { INT64_C(-715846848), INT64_C(1735683456), INT64_C(16931348) },
-                                        { INT64_C(18940652), INT64_C(-45924596), INT64_C(1011575488) } };
     uint64_t rgb[3];
     int32_t i, plane;
     for (i = 0; i < 3; i++) {
         int64_t sum = 0;
         for (plane = 0; plane < 3; plane++)
-            sum += from_xyz[i][plane] * @p@_at(p, plane, row, col);
+            sum += @p@_rgb_from_xyz[i][plane] * @p@_at(p, plane, row, col);
         sum = @p@_rounded(sum, 30);
         rgb[i] = sum > 0 ? (uint64_t)sum : 0;
     }

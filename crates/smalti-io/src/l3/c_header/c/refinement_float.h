@@ -91,14 +91,11 @@ static inline uint32_t @p@_refined_class(const @p@_picture *p, int32_t row, int3
 /* Square roots of products of red, green and blue of ITU-R BT.2020. Negative channels count as 0. */
 static inline void @p@_roots(const @p@_picture *p, int32_t row, int32_t col, float out[3])
 {
-    static const float from_xyz[3][3] = { { 0x1.b77674p+0f, -0x1.6c34f6p-2f, -0x1.037274p-2f },
-                                       { -0x1.5557a6p-1f, 0x1.9dd1b6p+0f, 0x1.025a14p-6f },
-                                       { 0x1.2102ecp-6f, -0x1.5e607ap-5f, 0x1.e25b56p-1f } };
     float rgb[3];
     int32_t i;
     for (i = 0; i < 3; i++) {
-        rgb[i] = from_xyz[i][0] * @p@_at(p, 0, row, col) + from_xyz[i][1] * @p@_at(p, 1, row, col)
-               + from_xyz[i][2] * @p@_at(p, 2, row, col);
+        rgb[i] = @p@_rgb_from_xyz[i][0] * @p@_at(p, 0, row, col) + @p@_rgb_from_xyz[i][1] * @p@_at(p, 1, row, col)
+               + @p@_rgb_from_xyz[i][2] * @p@_at(p, 2, row, col);
         rgb[i] = rgb[i] > 0.0f ? rgb[i] : 0.0f;
     }
     for (i = 0; i < 3; i++)
