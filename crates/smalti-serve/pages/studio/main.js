@@ -86,6 +86,8 @@ async function start() {
   const colors = {};
   /** Whether a result is to be told: after changes, not at the start. */
   let isChanged = false;
+  /** Whether a change waits for the next frame. */
+  let isWaiting = false;
 
   const work = { again: () => {} };
   const picture = setUpPicture(() => work.again());
@@ -133,6 +135,8 @@ async function start() {
     },
     overLight: (known, before) => scores.showOverLight(known, before, luminance()),
     done() {
+      // A change that waits for the next frame is newer than what is done.
+      if (isWaiting) return;
       const said = showScores();
       document.documentElement.dataset.settled = String(store.at);
       if (isChanged) announce(said);
@@ -143,10 +147,15 @@ async function start() {
       tell(`${message(error)}.`, "trouble");
     },
   });
-  work.again = atFrame(() => {
-    delete document.documentElement.dataset.settled;
+  const soon = atFrame(() => {
+    isWaiting = false;
     compute();
   });
+  work.again = () => {
+    isWaiting = true;
+    delete document.documentElement.dataset.settled;
+    soon();
+  };
 
   // ---- the bar ----
 

@@ -353,7 +353,7 @@ fn roots_scale_with_the_light_in_both_arithmetics() {
     let stated = [
         [1.716_651_2, -0.355_670_78, -0.253_366_3],
         [-0.666_684_3, 1.616_481_2, 0.015_768_547],
-        [0.017_639_857, -0.042_770_613, 0.942_103_1],
+        [0.017_639_857, -0.042_770_613, 0.942_103_15],
     ];
     assert_eq!(REFINEMENT_RGB_FROM_XYZ, stated);
     // White of D65 is grey, of which every root is the luminance.
