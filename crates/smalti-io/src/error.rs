@@ -39,6 +39,9 @@ pub enum IoError {
     /// The format is not one that is read or written here.
     #[error("{}: expected {expected}", path.display())]
     UnknownFormat { path: PathBuf, expected: &'static str },
+    /// This build of Smalti was made without the format.
+    #[error("{}: this build of Smalti leaves out {format}; expected one with the feature {feature}, which is on by default", path.display())]
+    LeftOut { path: PathBuf, format: &'static str, feature: &'static str },
     /// A path-traced scene cannot have another light.
     #[error(
         "{name}: the scene keeps its own light, since its lamps have different spectra and surfaces reflect light on each other; expected no illuminant"

@@ -35,6 +35,12 @@
 //! it. No reader panics on any input, and none takes memory for what a header declares before that has been compared with
 //! what the file can hold. Every writer writes to a temporary file beside the target and renames it: a target is either whole or as it
 //! was.
+//!
+//! The features `hdf5` and `parquet` are on by default. A build without one of them is smaller and sooner made, and refuses files in that
+//! format with [`IoError::LeftOut`].
+
+// What only a format that is left out needs stays, so that its features need no mark.
+#![cfg_attr(not(all(feature = "hdf5", feature = "parquet")), allow(dead_code))]
 
 pub mod bands;
 pub mod cache;

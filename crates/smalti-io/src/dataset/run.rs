@@ -49,6 +49,7 @@ impl Run {
         manifest: Manifest,
         shard: Option<Shard>,
     ) -> Result<Self, DatasetError> {
+        part::check_supported(dir)?;
         folder::check_ours(dir)?;
         write::begin_folder(dir, &[])?;
         let locks = lock::acquire(dir, shard)?;

@@ -4,6 +4,7 @@ mod content;
 #[cfg(test)]
 mod tests;
 mod v5;
+#[cfg(feature = "hdf5")]
 mod v73;
 
 use std::path::Path;
@@ -74,7 +75,10 @@ fn from_source(source: Shared<'static>, of: Reading<'_>) -> Result<Box<dyn Tiles
 pub fn write(path: &Path, file: &SpectralFile, version: Version) -> Result<(), IoError> {
     let variables = content::of(file);
     match version {
+        #[cfg(feature = "hdf5")]
         Version::V73 => v73::write(path, &variables),
+        #[cfg(not(feature = "hdf5"))]
+        Version::V73 => Err(hdf5::refused(path)),
         Version::V5 => {
             let what = "the scene in a MAT-file of level 5 (version 7.3 holds it)";
             at_most(v5::write::LARGEST, path, what, v5::write::largest(&variables))?;

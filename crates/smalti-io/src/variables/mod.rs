@@ -7,7 +7,9 @@ mod fields;
 mod isetcam;
 mod wavelengths;
 
-pub(crate) use array::{Array, Axes, Chunks, Layout};
+#[cfg(feature = "hdf5")]
+pub(crate) use array::Chunks;
+pub(crate) use array::{Array, Axes, Layout};
 
 pub(crate) use fields::{Attribute, Fields, Numbers, Reading, Value};
 use fields::{at, bands, numbers_at, placed, text_at};

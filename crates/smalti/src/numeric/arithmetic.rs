@@ -15,7 +15,7 @@ const ARGUMENTS: usize = 256;
 /// bits everywhere. Machines with equal hashes give equal results.
 #[must_use]
 pub fn arithmetic() -> String {
-    let mut hash = Hash(0xcbf2_9ce4_8422_2325);
+    let mut hash = Hash::default();
     for (rows, cols) in SIZES {
         let Ok(transform) = RealFft2::new(rows, cols) else { continue };
         let mut random = Stream::new(1, 0, (rows * cols) as u32);
@@ -23,7 +23,7 @@ pub fn arithmetic() -> String {
         let spectrum = transform.forward(&plane).unwrap_or_default();
         spectrum.iter().for_each(|v| hash.put([v.re, v.im].map(|v| u64::from(v.to_bits()))));
         let back = transform.inverse(&spectrum).unwrap_or_default();
-        back.iter().for_each(|v| hash.put([u64::from(v.to_bits())]));
+        hash.put(back.iter().map(|v| u64::from(v.to_bits())));
     }
     let mut random = Stream::new(1, 1, 0);
     for _ in 0..ARGUMENTS {
@@ -40,12 +40,26 @@ pub fn arithmetic() -> String {
 /// FNV-1a over words.
 struct Hash(u64);
 
+impl Default for Hash {
+    fn default() -> Self {
+        Self(0xcbf2_9ce4_8422_2325)
+    }
+}
+
 impl Hash {
-    fn put<const N: usize>(&mut self, words: [u64; N]) {
-        for byte in words.iter().flat_map(|w| w.to_le_bytes()) {
+    fn put(&mut self, words: impl IntoIterator<Item = u64>) {
+        for byte in words.into_iter().flat_map(u64::to_le_bytes) {
             self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
         }
     }
+}
+
+/// A hash of values whose bits every machine must reproduce.
+#[cfg(test)]
+pub(crate) fn digest(words: impl IntoIterator<Item = u64>) -> u64 {
+    let mut hash = Hash::default();
+    hash.put(words);
+    hash.0
 }
 
 #[cfg(test)]

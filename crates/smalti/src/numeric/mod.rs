@@ -1,6 +1,6 @@
 //! Arithmetic without optics: image planes and rectangles, random numbers, Fourier transforms, least squares.
 
-mod arithmetic;
+pub(crate) mod arithmetic;
 pub(crate) mod bloomfield_steiger1980;
 pub mod bootstrap;
 pub(crate) mod crossing;

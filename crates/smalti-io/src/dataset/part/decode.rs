@@ -20,25 +20,12 @@ use parquet::file::serialized_reader::SerializedPageReader;
 
 use super::super::error::{DatasetError, PartProblem};
 use super::super::manifest::Manifest;
-use super::super::schema::{self, Column, ColumnKind};
+use super::super::schema::{Column, ColumnKind};
 use super::super::{MAX_LIST_VALUES, MAX_TEXT_BYTES};
 use super::marks;
-use crate::file;
 
-/// Maximum size of a part, bytes.
-pub(in crate::dataset) const LIMIT: u64 = 4 << 30;
 /// Maximum expansion by Snappy, whose copies of three bytes yield at most 64.
 const EXPANSION: u64 = 22;
-
-/// Reads the columns with these indices from a part.
-pub(in super::super) fn read(
-    path: &Path,
-    manifest: &Manifest,
-    chunk: u64,
-    columns: &[usize],
-) -> Result<Vec<Column>, DatasetError> {
-    part_from_bytes(file::read(path, LIMIT)?, path, manifest, chunk, columns)
-}
 
 /// Decodes the columns with these indices in the plan from the bytes of a part. `path` is used in error messages.
 ///
@@ -95,7 +82,7 @@ fn decode(
 }
 
 fn metadata(bytes: &Bytes, manifest: &Manifest) -> Result<ParquetMetaData, PartProblem> {
-    let schema = schema::parquet(&manifest.plan.schema).map_err(PartProblem::malformed)?;
+    let schema = super::schema::parquet(&manifest.plan.schema).map_err(PartProblem::malformed)?;
     // Given a schema, the library does not parse that of the file, whose nesting could exhaust the stack.
     let options = ParquetMetaDataOptions::new().with_schema(schema);
     ParquetMetaDataReader::new()

@@ -6,6 +6,7 @@ use parquet::basic::{Compression, Encoding};
 use parquet::column::writer::ColumnWriter;
 use parquet::data_type::ByteArray;
 use parquet::errors::ParquetError;
+use parquet::file::metadata::KeyValue;
 use parquet::file::properties::{EnabledStatistics, WriterProperties, WriterVersion};
 use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
 use parquet::schema::types::ColumnPath;
@@ -34,7 +35,7 @@ pub fn encode(manifest: &Manifest, chunk: u64, columns: &[Column]) -> Result<Vec
 
 /// As [`encode`], but without checks, and with zeros in place of the hash.
 pub(super) fn file(manifest: &Manifest, chunk: u64, columns: &[Column]) -> Result<Vec<u8>, ParquetError> {
-    let schema = schema::parquet(&manifest.plan.schema)?;
+    let schema = super::schema::parquet(&manifest.plan.schema)?;
     let properties = properties(&manifest.plan.schema, manifest, chunk);
     let mut writer = SerializedFileWriter::new(Vec::new(), schema.root_schema_ptr(), Arc::new(properties))?;
     let mut group = writer.next_row_group()?;
@@ -49,9 +50,12 @@ pub(super) fn file(manifest: &Manifest, chunk: u64, columns: &[Column]) -> Resul
 
 /// Sets every property that affects the bytes, so that a changed default of the library does not alter them.
 fn properties(specs: &[ColumnSpec], manifest: &Manifest, chunk: u64) -> WriterProperties {
+    let pairs = marks::pairs(manifest, chunk);
     let mut builder = WriterProperties::builder()
         .set_created_by(concat!("smalti version ", env!("CARGO_PKG_VERSION")).to_owned())
-        .set_key_value_metadata(Some(marks::pairs(manifest, chunk)))
+        .set_key_value_metadata(Some(
+            pairs.into_iter().map(|(key, value)| KeyValue::new(key.to_owned(), value)).collect(),
+        ))
         .set_writer_version(WriterVersion::PARQUET_1_0)
         .set_compression(Compression::SNAPPY)
         .set_encoding(Encoding::PLAIN)

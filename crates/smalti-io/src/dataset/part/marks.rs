@@ -7,8 +7,6 @@ use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
 
-use parquet::file::metadata::KeyValue;
-
 use super::super::error::{DatasetError, PartProblem};
 use super::super::manifest::Manifest;
 use crate::IoError;
@@ -27,18 +25,17 @@ const DIGITS: usize = 64;
 const TAIL: u64 = 4096;
 
 /// The pairs of a part, with zeros in place of the hash.
-pub(super) fn pairs(manifest: &Manifest, chunk: u64) -> Vec<KeyValue> {
+pub(super) fn pairs(manifest: &Manifest, chunk: u64) -> Vec<(&'static str, String)> {
     let plan = &manifest.plan;
-    let pair = |key: &str, value: String| KeyValue::new(key.to_owned(), value);
     let schema = serde_json::to_string(&plan.schema).unwrap_or_default();
     vec![
         // The schema can be long. It comes first, so that the other pairs are near the end of the file.
-        pair(SCHEMA, schema),
-        pair(ROWS, plan.rows(chunk).to_string()),
-        pair(FIRST, plan.trials_of(chunk).start.to_string()),
-        pair(CHUNK, chunk.to_string()),
-        pair(PLAN, manifest.hash().to_owned()),
-        pair(HASH, "0".repeat(DIGITS)),
+        (SCHEMA, schema),
+        (ROWS, plan.rows(chunk).to_string()),
+        (FIRST, plan.trials_of(chunk).start.to_string()),
+        (CHUNK, chunk.to_string()),
+        (PLAN, manifest.hash().to_owned()),
+        (HASH, "0".repeat(DIGITS)),
     ]
 }
 
