@@ -62,12 +62,12 @@ pub(crate) fn run(args: &Studio, common: &Common) -> anyhow::Result<()> {
     if let Some(dir) = &args.export {
         write::ensure_is_new(dir)?;
         write::ensure_can_fill(dir)?;
-        let files = studio::files(&toml, light_for(&camera, &cache, common)?);
+        let files = studio::files(&toml, with_sources(light_for(&camera, &cache, common)?));
         write::folder(dir, files.iter().map(|file| (file.path.as_str(), file.content.as_ref())))?;
         return crate::print(&format!("{}\n", dir.join("index.html").display()));
     }
     let server = LocalServer::bind(args.port, None)?;
-    let files = studio::files(&toml, light_for(&camera, &cache, common)?);
+    let files = studio::files(&toml, with_sources(light_for(&camera, &cache, common)?));
     let address = server.url();
     if args.json {
         crate::output::print_document(&format!("{}\n", json!({"address": address})))?;
@@ -79,6 +79,11 @@ pub(crate) fn run(args: &Studio, common: &Common) -> anyhow::Result<()> {
         note("Ctrl-C ends the server", common);
     }
     Ok(server.run(studio::routes(files))?)
+}
+
+/// The files of the light with those from which the page gathers it for other lenses.
+fn with_sources(light: Vec<StudioAsset>) -> Vec<StudioAsset> {
+    light.into_iter().chain(smalti_io::studio::sources()).collect()
 }
 
 /// The light of the scenes behind the lens of a camera, as files of the page. It depends neither on the filters nor on the processing, so

@@ -27,6 +27,13 @@ pub(super) enum Request {
     Improve(ImproveRequest),
     /// The next step of the improvement.
     Step {},
+    /// The light behind the lens of a design, as the file that is loaded for it.
+    Light(LightRequest),
+    /// Forgets the light of a lens.
+    Forget {
+        /// The name of the lens.
+        lens: String,
+    },
     /// The camera file of a design.
     CameraToml {
         /// The camera.
@@ -43,6 +50,8 @@ pub(super) enum Request {
 #[serde(deny_unknown_fields)]
 pub(super) struct DrawRequest {
     pub(super) design: Value,
+    #[serde(default)]
+    pub(super) lens: String,
     pub(super) scene: String,
     pub(super) luminance_cd_m2: f64,
     #[serde(default)]
@@ -62,7 +71,7 @@ fn yes() -> bool {
 impl DrawRequest {
     /// What a pipeline depends on.
     pub(super) fn design_key(&self) -> String {
-        format!("{} {} {}", self.luminance_cd_m2.to_bits(), self.seed, self.design)
+        format!("{} {} {} {}", self.lens, self.luminance_cd_m2.to_bits(), self.seed, self.design)
     }
 
     /// What a picture depends on.
@@ -75,6 +84,8 @@ impl DrawRequest {
 #[serde(deny_unknown_fields)]
 pub(super) struct ScoresRequest {
     pub(super) design: Value,
+    #[serde(default)]
+    pub(super) lens: String,
     pub(super) luminances_cd_m2: Vec<f64>,
     #[serde(default)]
     pub(super) derivatives: bool,
@@ -110,8 +121,29 @@ pub(super) struct LocksRequest {
 pub(super) struct ImproveRequest {
     pub(super) design: Value,
     #[serde(default)]
+    pub(super) lens: String,
+    #[serde(default)]
     pub(super) locks: LocksRequest,
     pub(super) luminances_cd_m2: Vec<f64>,
     #[serde(default)]
     pub(super) family: Family,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct LightRequest {
+    pub(super) design: Value,
+    pub(super) of: LightOf,
+}
+
+/// What the light is of.
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum LightOf {
+    /// The training scene and the targets.
+    Training,
+    /// A scene, by its name.
+    Scene(String),
+    /// Statistics over the training scenes.
+    Statistics,
 }
