@@ -148,6 +148,31 @@ fn scores_are_those_of_the_command() {
 }
 
 #[test]
+fn filters_that_the_family_does_not_have_are_named() {
+    let mut engine = engine();
+    let mut camera = files().camera.clone();
+    let band = smalti::sensor::Filter::Box { low_nm: 500.0, high_nm: 540.0, peak: 1.0 };
+    let pigment =
+        |letter: &str| (letter.to_owned(), smalti::sensor::Filter::Builtin(format!("pigment/{letter}")));
+    camera.sensor.cfa.filters = ["R", "B"].map(pigment).into();
+    camera.sensor.cfa.filters.insert("G".into(), band);
+    let mut warnings = |family: Value| {
+        let request = json!({"scores": {"design": camera, "luminances_cd_m2": [], "family": family}});
+        let said = ask(&mut engine, &request).said;
+        let named = said["warnings"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .filter(|w| w["message"].as_str().unwrap().contains("cannot be made"));
+        named.map(|w| w["filter"].as_str().unwrap().to_owned()).collect::<Vec<_>>()
+    };
+    assert_eq!(warnings(Value::Null), [""; 0]);
+    assert!(warnings(json!("pigments")).contains(&"G".to_owned()));
+    assert!(!warnings(json!("dichroic")).is_empty());
+    assert_eq!(warnings(json!("pigments")), warnings(json!("pigments")));
+}
+
+#[test]
 fn camera_files_read_back() {
     let mut engine = engine();
     let design = json!(files().camera);

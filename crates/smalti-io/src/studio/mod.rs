@@ -22,7 +22,7 @@ use std::path::Path;
 use flate2::Compression;
 use flate2::write::DeflateEncoder;
 use rayon::prelude::*;
-use serde_json::{Value, json};
+use serde_json::json;
 use smalti::camera::{Camera, CameraError};
 use smalti::design::LearningSettings;
 use smalti::design::live::LiveSetup;
@@ -107,50 +107,87 @@ pub enum StudioAssetError {
     NoSource(String),
 }
 
+/// Which light is gathered.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Extent {
+    /// That of the training scene and of the first scene.
+    First,
+    All,
+}
+
 /// The files of the studio for the lens and the pixel geometry of a camera, in daylight (D65); the page begins with this camera. Equal arguments
 /// give equal bytes. This takes several seconds. Each file is one step of progress.
 ///
 /// # Errors
 /// When the camera is invalid or its lens cannot image a scene, or when it was stopped.
 pub fn assets(camera: &Camera, progress: &dyn Progress) -> Result<Vec<StudioAsset>, StudioAssetError> {
+    gathered(camera, Extent::All, progress)
+}
+
+/// The files with which the page shows its first picture, in a second: the manifest names no file for the other scenes and the statistics, and the
+/// page gathers their light from [`sources`], as it does behind another lens.
+///
+/// # Errors
+/// As [`assets`].
+pub fn first_assets(camera: &Camera, progress: &dyn Progress) -> Result<Vec<StudioAsset>, StudioAssetError> {
+    gathered(camera, Extent::First, progress)
+}
+
+fn gathered(
+    camera: &Camera,
+    extent: Extent,
+    progress: &dyn Progress,
+) -> Result<Vec<StudioAsset>, StudioAssetError> {
     let illuminant = Illuminant::D65;
     let setup = LiveSetup::new(camera.description(), illuminant.clone(), learning());
-    progress.expect(SCENES.len() as u64 + 1);
-    let scenes: Vec<(Value, StudioAsset)> = SCENES
-        .par_iter()
-        .map(|about| {
+    let count = if extent == Extent::First { 1 } else { SCENES.len() };
+    progress.expect(count as u64 + 1);
+    let scenes = || {
+        let asset = |about: &StudioScene| {
             if progress.is_stopped() {
                 return Err(ExperimentError::Stopped.into());
             }
             let source = rendered::find(about.catalogue).and_then(|stored| stored.photograph());
             let scene = scene_light(&setup, about.id, source)?;
-            let planes = &scene.scene.light.planes;
-            let StudioScene { id, name, .. } = about;
-            let set = if about.is_photograph() { "natural" } else { "charts" };
-            let file = format!("{id}.bin");
-            let said = json!({
-                "id": id, "name": name, "set": set, "width": planes.cols, "height": planes.rows, "file": file,
-                "source": about.source(),
-            });
-            let asset = deflated(file, &scene_to_bytes(&scene, Path::new(id))?);
+            let asset = deflated(file_of(about), &scene_to_bytes(&scene, Path::new(about.id))?);
             progress.done();
-            Ok((said, asset))
-        })
-        .collect::<Result<_, StudioAssetError>>()?;
-    let training = training_to_bytes(&training_light(&setup)?, Path::new("training"))?;
-    progress.done();
-    let stored = rendered::TrainingSet::All.stored();
-    let statistics = statistics_of_light(camera, &illuminant, stored, progress)?;
-    let statistics = light::to_bytes(&statistics, Path::new("statistics"))?;
+            Ok(asset)
+        };
+        SCENES[..count].par_iter().map(asset).collect::<Result<Vec<_>, StudioAssetError>>()
+    };
+    let training = || {
+        let bytes = training_to_bytes(&training_light(&setup)?, Path::new("training"))?;
+        progress.done();
+        Ok::<_, StudioAssetError>(deflated("training.bin".into(), &bytes))
+    };
+    let (scenes, training) = rayon::join(scenes, training);
+    let statistics = match extent {
+        Extent::First => None,
+        Extent::All => {
+            let stored = rendered::TrainingSet::All.stored();
+            let found = statistics_of_light(camera, &illuminant, stored, progress)?;
+            let bytes = light::to_bytes(&found, Path::new("statistics"))?;
+            Some(deflated("statistics.bin".into(), &bytes))
+        }
+    };
     let description = camera.description();
     let training_sources: BTreeMap<&str, String> =
         rendered::training::NAMES.iter().map(|name| (*name, lens::training_source(name))).collect();
+    let about = |(at, scene): (usize, &StudioScene)| {
+        json!({
+            "id": scene.id,
+            "name": scene.name,
+            "set": if scene.is_photograph() { "natural" } else { "charts" },
+            "file": (at < count).then(|| file_of(scene)),
+            "source": scene.source(),
+        })
+    };
     let manifest = json!({
-        "version": 1,
+        "version": 2,
         "training": "training.bin",
-        "statistics": "statistics.bin",
+        "statistics": statistics.as_ref().map(|asset| &asset.name),
         "training_sources": training_sources,
-        "scenes": scenes.iter().map(|(about, _)| about).collect::<Vec<_>>(),
+        "scenes": SCENES.iter().enumerate().map(about).collect::<Vec<_>>(),
         "setups": [{
             "id": description.name,
             "name": description.name,
@@ -159,10 +196,12 @@ pub fn assets(camera: &Camera, progress: &dyn Progress) -> Result<Vec<StudioAsse
         }],
     });
     let manifest = StudioAsset { name: "manifest.json".into(), bytes: manifest.to_string().into_bytes() };
-    let mut all = vec![manifest, deflated("training.bin".into(), &training)];
-    all.push(deflated("statistics.bin".into(), &statistics));
-    all.extend(scenes.into_iter().map(|(_, asset)| asset));
-    Ok(all)
+    Ok([manifest, training?].into_iter().chain(statistics).chain(scenes?).collect())
+}
+
+/// The name of the file of a scene.
+fn file_of(scene: &StudioScene) -> String {
+    format!("{}.bin", scene.id)
 }
 
 fn deflated(name: String, bytes: &[u8]) -> StudioAsset {

@@ -5,7 +5,7 @@
 let wasm;
 /** @type {string} */
 let base;
-/** @type {{ scenes: { id: string, file: string, source?: string }[], training_sources: Record<string, string>, [key: string]: any }} */
+/** @type {{ scenes: { id: string, file: string | null, source: string | null }[], training_sources: Record<string, string>, [key: string]: any }} */
 let manifest;
 /** Files that are loaded or on their way. @type {Map<string, Promise<void>>} */
 const loaded = new Map();
@@ -94,6 +94,11 @@ function joined(a, b) {
 /** A scene of the page; `undefined` for a photograph of the visitor. @param {string} id */
 const scene_of = (id) => manifest.scenes.find((s) => s.id === id);
 
+/** Hands the statistics to the module that came with the page; others were put here before. @param {string} lens */
+async function load_statistics(lens) {
+  if (lens === "" && manifest.statistics) await load(manifest.statistics, "statistics");
+}
+
 /** @type {Record<string, (content: any) => Promise<any>>} */
 const tasks = {
   start: async (content) => {
@@ -110,7 +115,7 @@ const tasks = {
     return ask("light", { of, design });
   },
   draw: async ({ measure, ...content }) => {
-    // The light behind another lens was put here before.
+    // Light that did not come with the page was put here before.
     if (content.lens === "") {
       const file = scene_of(content.scene)?.file;
       await Promise.all([load(manifest.training, "training"), file && load(file, "scene")]);
@@ -134,12 +139,12 @@ const tasks = {
     checked(wasm.photograph(name.byteLength, height, width));
   },
   scores: async (content) => {
-    if (content.lens === "" && content.luminances_cd_m2.length > 0) await load(manifest.statistics, "statistics");
+    if (content.luminances_cd_m2.length > 0) await load_statistics(content.lens);
     return ask("scores", content);
   },
   curves: async (content) => ask("curves", content),
   improve: async (content) => {
-    if (content.lens === "") await load(manifest.statistics, "statistics");
+    await load_statistics(content.lens);
     return ask("improve", content);
   },
   step: async (content) => ask("step", content),

@@ -38,7 +38,7 @@ import { Lights, START } from "./lights.js";
  * @property {Record<string, any>} [isp]
  */
 
-/** @typedef {{ id: string, name: string, set: "charts" | "natural" | "own", width: number, height: number }} Scene */
+/** A scene; `file` is its light, if it came with the page. @typedef {{ id: string, name: string, set: "charts" | "natural" | "own", file?: string | null }} Scene */
 /** @typedef {{ row: number, col: number, rows: number, cols: number }} Crop */
 
 /** The camera whose light came with the page, without its mosaic. @typedef {{ id: string, name: string, camera: Design }} Setup */
@@ -104,6 +104,8 @@ import { Lights, START } from "./lights.js";
  * @property {{ x: number[], y: number[], z: number[] }} observer
  * @property {string[][]} mosaic The letters of the tile, row by row.
  */
+
+/** Filters: any smooth curves, layers of pigments, or bands between two edges. @typedef {"free" | "pigments" | "dichroic"} Family */
 
 /**
  * What stays as it is: filters by letter, and cells as [row, column] of the tile. `mosaic: true` keeps all cells.
@@ -233,16 +235,18 @@ export class Engine {
   #gatherers = new Map();
   /** @type {() => Promise<Bench>} */ #start_worker;
   /** @type {Lights} */ #lights;
+  /** The file of the statistics, if it came with the page. @type {string | null} */ #statistics;
 
   /**
    * @param {Bench} pictures @param {Bench} figures @param {() => Promise<Bench>} start_worker
-   * @param {{ scenes: Scene[], setups: Setup[], catalogue: any }} about
+   * @param {{ scenes: Scene[], setups: Setup[], statistics: string | null, catalogue: any }} about
    */
   constructor(pictures, figures, start_worker, about) {
     this.#pictures = pictures;
     this.#figures = figures;
     this.#start_worker = start_worker;
     this.#lights = new Lights(about.setups[0].camera, async (of, design) => (await (await this.#gatherer(of)).ask("light", { of, design })).bytes);
+    this.#statistics = about.statistics;
     /** The scenes, first the one that is ready first. @type {Scene[]} */
     this.scenes = about.scenes;
     /** The camera whose light came with the page. @type {Setup[]} */
@@ -288,8 +292,8 @@ export class Engine {
 
   /** Whether some light came with the page. @param {Design} design @param {LightOf} of */
   #came(design, of) {
-    const is_own = typeof of === "object" && this.scenes.some((s) => s.id === of.scene && s.set === "own");
-    return this.#lights.lens(design) === START && !is_own;
+    const file = typeof of === "object" ? this.scenes.find((s) => s.id === of.scene)?.file : of === "statistics" ? this.#statistics : true;
+    return this.#lights.lens(design) === START && Boolean(file);
   }
 
   /**
@@ -345,22 +349,23 @@ export class Engine {
     const id = `photograph ${this.scenes.length + 1}`;
     await (await this.#gatherer({ scene: id })).ask("photograph", { id, width, height, rgba: data });
     /** @type {Scene} */
-    const scene = { id, name, set: "own", width, height };
+    const scene = { id, name, set: "own" };
     this.scenes.push(scene);
     return scene;
   }
 
   /**
    * Figures of a design without a picture; without a luminance, those of the array alone. Resolves to null when a newer call has taken its place.
-   * @param {Design} design @param {number | number[]} luminance cd/m² @param {{ derivatives?: boolean }} [wanted]
+   * @param {Design} design @param {number | number[]} luminance cd/m²
+   * @param {{ derivatives?: boolean, family?: Family }} [wanted] Warnings name filters that are none of the `family`.
    * @returns {Promise<Scores | null>}
    */
-  scores(design, luminance, { derivatives = false } = {}) {
+  scores(design, luminance, { derivatives = false, family } = {}) {
     const luminances_cd_m2 = [luminance].flat();
     return this.#latest_scores.run(async () => {
       // The figures of the array alone need no statistics.
       const lens = await this.#supply(this.#figures, design, luminances_cd_m2.length > 0 ? ["statistics"] : []);
-      return (await this.#figures.ask("scores", { design, lens, luminances_cd_m2, derivatives })).said;
+      return (await this.#figures.ask("scores", { design, lens, luminances_cd_m2, derivatives, family })).said;
     });
   }
 
@@ -374,7 +379,7 @@ export class Engine {
    * changed are any smooth curves (`free`), pigments, or dichroic bands. Calls `on_step` after each step; ends when no step makes it better, or with the best so
    * far when `signal` is aborted.
    * @param {Design} design @param {Locks} locks @param {number[]} luminances cd/m²
-   * @param {(step: Step) => void} on_step @param {AbortSignal} [signal] @param {"free" | "pigments" | "dichroic"} [family]
+   * @param {(step: Step) => void} on_step @param {AbortSignal} [signal] @param {Family} [family]
    * @returns {Promise<Step>}
    */
   async improve(design, locks, luminances, on_step, signal, family = "free") {

@@ -5,7 +5,7 @@ import { withValue } from "./design.js";
 import { Engine } from "./engine.js";
 import { curvesCsv, fileName, save } from "./files.js";
 import { setUpFilters } from "./filters.js";
-import { setUpImprove } from "./improve.js";
+import { familyOf, setUpImprove } from "./improve.js";
 import { setUpMosaic } from "./mosaic.js";
 import { isPhotograph, readPhotograph } from "./photographs.js";
 import { setUpPicture } from "./picture.js";
@@ -106,7 +106,7 @@ async function start() {
   const caption = (/** @type {Picture} */ p) => `${store.camera.name} · exposed for ${Number(p.exposure_ms.toPrecision(3))} ms · drawn in ${Math.round(drawnMs)} ms`;
   /** Whether the message shown is about a design that could not be drawn. */
   let hasFailed = false;
-  const compute = setUpWork(engine, () => ({ camera: store.camera, pinned: store.pinned, scene: scene.value, luminance: luminance() }), picture.needsPin, {
+  const compute = setUpWork(engine, () => ({ camera: store.camera, pinned: store.pinned, scene: scene.value, luminance: luminance(), family: familyOf() }), picture.needsPin, {
     picture(drawn) {
       wait.hidden = true;
       if (hasFailed) tell("");
@@ -253,13 +253,14 @@ async function start() {
   async function addPhotograph(file) {
     try {
       const name = file.name.replace(/\.[^.]*$/, "") || "Photograph";
-      const { id, width, height } = await engine.add_photograph(name, await readPhotograph(file));
+      const pixels = await readPhotograph(file);
+      const { id } = await engine.add_photograph(name, pixels);
       const group = scene.querySelector('optgroup[label="Your photographs"]') ?? make("optgroup", { label: "Your photographs" });
       group.append(make("option", { value: id }, name));
       scene.append(group);
       scene.value = id;
       work.again();
-      tell(`${name} is a scene of ${width} × ${height} pixels now, in daylight. Its spectra are estimated from its colours: smooth reflectances (Jakob and Hanika 2019). It stays in this browser.`);
+      tell(`${name} is a scene of ${pixels.width} × ${pixels.height} pixels now, in daylight. Its spectra are estimated from its colours: smooth reflectances (Jakob and Hanika 2019). It stays in this browser.`);
     } catch (error) {
       tell(`${file.name}: ${message(error)}.`, "trouble");
     }
@@ -307,7 +308,7 @@ async function start() {
     showLight();
     work.again();
   });
-  scene.addEventListener("change", () => work.again());
+  for (const select of [scene, byId("family", HTMLSelectElement)]) select.addEventListener("change", () => work.again());
   showLight();
   show();
   mosaic();

@@ -6,7 +6,7 @@
 /** @typedef {import("./engine.js").Scores} Scores */
 /** @typedef {import("./engine.js").Expected} Expected */
 /** @typedef {import("./design.js").Camera} Camera */
-/** What is shown. @typedef {{ camera: Camera, pinned: Camera | undefined, scene: string, luminance: number }} Wanted */
+/** What is shown. @typedef {{ camera: Camera, pinned: Camera | undefined, scene: string, luminance: number, family: import("./engine.js").Family }} Wanted */
 /**
  * Where results go. A picture without scores comes first, the same with scores follows. `waits` says whose light is being gathered, for a picture or for figures.
  * @typedef {{
@@ -110,13 +110,13 @@ export function setUpWork(engine, wanted, isPinSeen, results) {
 
   /** @param {() => boolean} isOld */
   async function figures(isOld) {
-    const { camera, pinned, luminance } = wanted();
+    const { camera, pinned, luminance, family } = wanted();
     results.curves(await engine.curves(camera));
     if (isOld()) return;
     const all = engine.light(camera, ["statistics"]) || (pinned && engine.light(pinned, ["statistics"]));
     if (all) {
       // The figures of the array alone need no light.
-      const array = await engine.scores(camera, []);
+      const array = await engine.scores(camera, [], { family });
       if (!array || isOld()) return;
       results.figures(array, pinned && await engine.scores(pinned, []) || undefined);
       results.overLight([], []);
@@ -124,7 +124,7 @@ export function setUpWork(engine, wanted, isPinSeen, results) {
       for (const design of [camera, pinned]) if (design && !isOld()) await light(design, ["statistics"], isOld);
       if (isOld()) return;
     }
-    const own = await engine.scores(camera, [luminance, ...LUMINANCES]);
+    const own = await engine.scores(camera, [luminance, ...LUMINANCES], { family });
     if (!own || isOld()) return;
     const before = pinned && await pinFigures.get(JSON.stringify([pinned, luminance]), () => engine.scores(pinned, [luminance, ...LUMINANCES]));
     results.figures(own, before ?? undefined);

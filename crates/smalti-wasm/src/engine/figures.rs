@@ -61,7 +61,7 @@ pub(super) struct Scores {
     array: ArrayFigures,
     wavelengths_nm: Vec<f64>,
     derivatives: Option<Derivatives>,
-    warnings: Vec<Warning>,
+    pub(super) warnings: Vec<Warning>,
 }
 
 /// The conditions of a camera at some luminances.

@@ -81,6 +81,7 @@ pub struct Engine {
     learned: Option<Learned>,
     drawn: Option<Drawn>,
     improving: Option<Improving>,
+    makeable: warnings::Makeable,
 }
 
 impl Engine {
@@ -89,6 +90,7 @@ impl Engine {
     /// # Errors
     /// When it is damaged or of another kind.
     pub fn load(&mut self, lens: &str, kind: StudioFile, bytes: &[u8]) -> Result<(), EngineError> {
+        (self.learned, self.drawn) = (None, None);
         self.lenses.entry(lens.to_owned()).or_default().load(kind, bytes)
     }
 
@@ -132,7 +134,11 @@ impl Engine {
                     true => None,
                     false => Some(self.lens(&request.lens)?.statistics()?),
                 };
-                Answer::of(&figures::scores(&camera, statistics, &observer, wanted)?)
+                let mut scores = figures::scores(&camera, statistics, &observer, wanted)?;
+                if let Some(family) = request.family {
+                    scores.warnings.extend(self.makeable.warnings(&camera, family)?);
+                }
+                Answer::of(&scores)
             }
             Request::Curves { design } => Answer::of(&figures::curves(&camera(design)?, &Illuminant::D65)?),
             Request::Improve(request) => {
@@ -199,7 +205,11 @@ impl Engine {
             self.lenses.get_mut(&request.lens).ok_or(EngineError::Missing("the light of this lens"))?;
         let scene = lens.pictures(&request.scene)?;
         let noise = if request.noise { NoiseMode::All } else { NoiseMode::None };
-        let picture = scene.picture(&learned.design, request.crop, noise, request.seed)?;
+        let key = request.picture_key();
+        let picture = match self.drawn.take().filter(|known| known.key == key) {
+            Some(known) => known.picture,
+            None => scene.picture(&learned.design, request.crop, noise, request.seed)?,
+        };
         let mut bytes = scene.rgba8(&picture)?;
         if request.reference {
             bytes.append(&mut scene.reference_rgba8(request.crop)?);
@@ -214,7 +224,7 @@ impl Engine {
             "saturated_percent": picture.saturated_percent,
             "warnings": found,
         });
-        self.drawn = Some(Drawn { key: request.picture_key(), picture });
+        self.drawn = Some(Drawn { key, picture });
         Ok(Answer { said, bytes })
     }
 

@@ -3,6 +3,10 @@
 use serde::Deserialize;
 use serde_json::Value;
 use smalti::design::live::LiveCrop;
+use smalti::design::search::{Dichroic, FilterSpace, FreeCurves, Pigments};
+
+/// Knots of free curves: one in 20 nm.
+const KNOTS: usize = 16;
 
 /// A request: an object with one key.
 #[derive(Debug, Deserialize)]
@@ -89,6 +93,9 @@ pub(super) struct ScoresRequest {
     pub(super) luminances_cd_m2: Vec<f64>,
     #[serde(default)]
     pub(super) derivatives: bool,
+    /// The family of which the filters should be.
+    #[serde(default)]
+    pub(super) family: Option<Family>,
 }
 
 /// The family of the filters that are changed.
@@ -102,6 +109,26 @@ pub(super) enum Family {
     Pigments,
     /// Bands between two edges.
     Dichroic,
+}
+
+impl Family {
+    /// The filters of the family.
+    pub(super) fn space(self) -> FilterSpace {
+        match self {
+            Self::Free => FilterSpace::Free(FreeCurves { knots: KNOTS, ..FreeCurves::default() }),
+            Self::Pigments => FilterSpace::Pigments(Pigments::default()),
+            Self::Dichroic => FilterSpace::Dichroic(Dichroic::default()),
+        }
+    }
+
+    /// Its filters in words.
+    pub(super) fn words(self) -> &'static str {
+        match self {
+            Self::Free => "as a smooth curve",
+            Self::Pigments => "of pigments",
+            Self::Dichroic => "as a dichroic band",
+        }
+    }
 }
 
 /// What stays as it is.
