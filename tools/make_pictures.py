@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Makes the pictures of the documentation, docs/images/*.png, with a built `smalti`. `just pictures` makes all of them.
+"""Makes the pictures of the documentation, docs/images/*, with a built `smalti`. `just pictures` makes all of them.
 
     cargo build --release -p smalti-cli
     (cd tools/page && npm ci)
@@ -283,12 +283,20 @@ def page_of_comparison(work):
     screenshot(work / "page/report.html", "report-maps-dark.png", "dark", "ΔE2000 difference")
 
 
+def studio(work):
+    """The page of the studio, on a wide window and on a telephone, in light and dark colours."""
+    subprocess.run(["node", ROOT / "tools/page/studio-pictures.mjs", sys.argv[1], work], check=True)
+    for made in sorted(work.glob("studio*.png")):
+        Image.open(made).convert("RGB").save(OUT / f"{made.stem}.webp", quality=86, method=6)
+        print(f"{OUT / made.stem}.webp: {(OUT / f'{made.stem}.webp').stat().st_size / 1e3:.0f} kB")
+
+
 def screenshot(page, name, *how):
     subprocess.run(["node", ROOT / "tools/page/screenshot.mjs", page, OUT / name, *how], check=True)
     print(f"{OUT / name}: {(OUT / name).stat().st_size / 1e3:.0f} kB")
 
 
-PICTURES = [stages, contact_sheet, cfa_sheet, own_camera, low_light, learned, raw_file, studies, learned_study, page_of_comparison]
+PICTURES = [stages, contact_sheet, cfa_sheet, own_camera, low_light, learned, raw_file, studies, learned_study, page_of_comparison, studio]
 
 
 def main():

@@ -5,6 +5,7 @@ import { once } from "node:events";
 import { createServer } from "node:http";
 import { mkdtemp, readFile, rm, writeFile } from "node:fs/promises";
 import { tmpdir } from "node:os";
+import { crc32, deflateSync } from "node:zlib";
 import { extname, join, resolve } from "node:path";
 import { after, before, test } from "node:test";
 import { axe, launch } from "./browser.mjs";
@@ -173,6 +174,98 @@ test("a shared address opens the same design, and the saved camera file is that 
   const broken = await open({}, `${address.slice(0, -20)}`);
   await broken.page.locator("#message[data-kind=trouble]", { hasText: "the address is cut off or changed" }).waitFor();
   await broken.close();
+});
+
+test("pitch and f-number change the picture; the light is gathered once, and the picture stays meanwhile", async () => {
+  const { page, faults, close } = await open();
+  const begun = await pixels(page);
+  const noise = await score(page, "Noise");
+  const stop = page.getByLabel("f-number");
+  await stop.fill("2");
+  await stop.press("Enter");
+  await page.locator("#gathering", { hasText: "Computing the light for f/2, 2.2 µm…" }).waitFor();
+  assert.equal(await pixels(page), begun, "the picture stays");
+  await settled(page);
+  assert.ok(await page.locator("#gathering").isHidden());
+  const wide = await pixels(page);
+  assert.notEqual(wide, begun);
+  // Four times the light: half the noise, where it is that of photons.
+  assert.ok(await score(page, "Noise") < 0.75 * noise, `${noise}`);
+  await page.locator("#light-curve svg .own").waitFor({ timeout: 60_000 });
+  await page.keyboard.press("Control+z");
+  await settled(page);
+  assert.equal(await pixels(page), begun);
+  await page.keyboard.press("Control+Shift+z");
+  await settled(page);
+  assert.equal(await pixels(page), wide);
+  // Beyond the range of the key.
+  await page.getByLabel("Pixel pitch").fill("0");
+  await page.getByLabel("Pixel pitch").press("Enter");
+  await page.locator("#message[data-kind=trouble]", { hasText: "Pixel pitch: expected 0.001 to 1000 µm" }).waitFor();
+  for (const name of ["Fill factor", "Read noise", "Full well", "Exposure"]) assert.ok(await page.getByLabel(name, { exact: true }).isEditable(), name);
+  // A preset has a lens and pixels of its own.
+  await page.getByLabel("Preset").selectOption({ label: "phone" });
+  await settled(page);
+  const phone = JSON.parse(run("show", "phone", "--json")).description;
+  assert.equal(Number(await page.getByLabel("Pixel pitch").inputValue()), phone.sensor.pixel.pitch_um);
+  assert.equal(Number(await stop.inputValue()), phone.optics.f_number);
+  assert.deepEqual(faults, []);
+  await close();
+});
+
+// A PNG file of one colour with a line of another one.
+function png(width, height) {
+  const chunk = (type, data) => {
+    const body = Buffer.concat([Buffer.from(type), data]);
+    const [length, sum] = [Buffer.alloc(4), Buffer.alloc(4)];
+    length.writeUInt32BE(data.length);
+    sum.writeUInt32BE(crc32(body));
+    return Buffer.concat([length, body, sum]);
+  };
+  const header = Buffer.alloc(13);
+  header.writeUInt32BE(width, 0);
+  header.writeUInt32BE(height, 4);
+  header.set([8, 2], 8);
+  const line = (row) => Buffer.concat([Buffer.from([0]), Buffer.alloc(3 * width, Buffer.from(row % 16 === 0 ? [240, 240, 240] : [180, 90, 60]))]);
+  const rows = height > 4096 ? Buffer.alloc(16) : Buffer.concat(Array.from({ length: height }, (_, row) => line(row)));
+  return Buffer.concat([Buffer.from("\x89PNG\r\n\x1a\n", "latin1"), chunk("IHDR", header), chunk("IDAT", deflateSync(rows)), chunk("IEND", Buffer.alloc(0))]);
+}
+
+test("a photograph becomes a scene and stays in the browser; what is none is refused", async () => {
+  const { page, faults, close } = await open();
+  const sent = [];
+  page.on("request", (r) => { if (r.method() !== "GET" || r.postData() !== null) sent.push(r.url()); });
+  const begun = await pixels(page);
+  await page.locator("#photo").setInputFiles({ name: "wall.png", mimeType: "image/png", buffer: png(2000, 900) });
+  await page.locator("#message", { hasText: /wall is a scene of 942 × 424 pixels now, in daylight. Its spectra are estimated .* It stays in this browser/ }).waitFor();
+  await settled(page);
+  assert.notEqual(await pixels(page), begun);
+  assert.equal(await page.locator("#scene option:checked").textContent(), "wall");
+  assert.ok(await score(page, "CPSNR") > 15);
+  // Dropped, behind another lens too.
+  await page.getByLabel("f-number").fill("2.8");
+  await page.getByLabel("f-number").press("Enter");
+  await settled(page);
+  await page.evaluate(async (bytes) => {
+    const data = new DataTransfer();
+    data.items.add(new File([new Uint8Array(bytes)], "small.png", { type: "image/png" }));
+    document.dispatchEvent(new DragEvent("drop", { dataTransfer: data, cancelable: true }));
+  }, [...png(64, 48)]);
+  await page.locator("#message", { hasText: "small is a scene of 64 × 48 pixels" }).waitFor();
+  await settled(page);
+  assert.equal(await page.locator("#scene optgroup[label='Your photographs'] option").count(), 2);
+  const refused = async (name, mimeType, buffer, text) => {
+    await page.locator("#photo").setInputFiles({ name, mimeType, buffer });
+    await page.locator("#message[data-kind=trouble]", { hasText: text }).waitFor();
+  };
+  await refused("huge.png", "image/png", png(60_000, 60_000), "huge.png: it has 60000 × 60000 pixels; expected at most 120 megapixels");
+  await refused("cut.png", "image/png", png(300, 200).subarray(0, 60), "cut.png: the file is damaged");
+  await refused("tiny.png", "image/png", png(20, 400), "expected at least 32 pixels along each side");
+  await refused("moving.gif", "image/gif", Buffer.from("GIF89a"), "moving.gif: it is neither a PNG nor a JPEG file");
+  await refused("false.jpg", "image/jpeg", Buffer.from("no picture at all"), "false.jpg: it is neither a PNG nor a JPEG file");
+  assert.deepEqual(sent, []);
+  assert.deepEqual(faults, []);
+  await close();
 });
 
 test("the keyboard does it all", async () => {

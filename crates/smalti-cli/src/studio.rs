@@ -1,6 +1,7 @@
 //! `smalti studio`: the page on which a mosaic and its filters are drawn and their picture is seen.
 
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use anyhow::{Context, bail};
 use clap::Args;
@@ -9,9 +10,10 @@ use smalti::camera::Camera;
 use smalti::camera::description::{
     CameraDescription, CfaDescription, ExposureDescription, IspDescription, SensorDescription,
 };
+use smalti::experiment::Silent;
 use smalti_io::cache::Cache;
 use smalti_io::cameras::LoadedCamera;
-use smalti_io::studio::StudioAsset;
+use smalti_io::studio::{StudioAsset, StudioAssetError};
 use smalti_io::{TomlSource, cameras, designs, studies, write};
 use smalti_report::study::camera_toml;
 use smalti_serve::{LocalServer, studio};
@@ -22,6 +24,8 @@ use crate::progress::Progress;
 use crate::resolve;
 use crate::show::find::{Kind, kind};
 
+/// When the rest of the light is gathered: after the first seconds on the page, which needs the processor then.
+const LATER: Duration = Duration::from_secs(15);
 /// The camera in the folder of `smalti design`.
 const DESIGNED: &str = "camera.toml";
 
@@ -62,12 +66,19 @@ pub(crate) fn run(args: &Studio, common: &Common) -> anyhow::Result<()> {
     if let Some(dir) = &args.export {
         write::ensure_is_new(dir)?;
         write::ensure_can_fill(dir)?;
-        let files = studio::files(&toml, light_for(&camera, &cache, common)?);
+        let files = studio::files(&toml, with_sources(all_light(&bare(&camera)?, &cache, common)?));
         write::folder(dir, files.iter().map(|file| (file.path.as_str(), file.content.as_ref())))?;
         return crate::print(&format!("{}\n", dir.join("index.html").display()));
     }
     let server = LocalServer::bind(args.port, None)?;
-    let files = studio::files(&toml, light_for(&camera, &cache, common)?);
+    let bare = bare(&camera)?;
+    let kept = cache.studio_assets(&key(&bare)?);
+    let is_kept = kept.is_some();
+    let light = match kept {
+        Some(light) => light,
+        None => gathered(&bare, smalti_io::studio::first_assets, common)?,
+    };
+    let files = studio::files(&toml, with_sources(light));
     let address = server.url();
     if args.json {
         crate::output::print_document(&format!("{}\n", json!({"address": address})))?;
@@ -78,12 +89,22 @@ pub(crate) fn run(args: &Studio, common: &Common) -> anyhow::Result<()> {
         }
         note("Ctrl-C ends the server", common);
     }
+    if !is_kept && !args.no_cache {
+        std::thread::spawn(move || {
+            std::thread::sleep(LATER);
+            keep_all(&bare, &cache);
+        });
+    }
     Ok(server.run(studio::routes(files))?)
 }
 
-/// The light of the scenes behind the lens of a camera, as files of the page. It depends neither on the filters nor on the processing, so
-/// that cameras share it.
-fn light_for(camera: &Camera, cache: &Cache, common: &Common) -> anyhow::Result<Vec<StudioAsset>> {
+/// The files of the light with those from which the page gathers it for other lenses.
+fn with_sources(light: Vec<StudioAsset>) -> Vec<StudioAsset> {
+    light.into_iter().chain(smalti_io::studio::sources()).collect()
+}
+
+/// The camera without what the light of the scenes does not depend on, so that cameras share it.
+fn bare(camera: &Camera) -> anyhow::Result<Camera> {
     let own = camera.description();
     let bare = CameraDescription {
         name: format!("f/{}, {} µm", own.optics.f_number, own.sensor.pixel.pitch_um),
@@ -92,15 +113,41 @@ fn light_for(camera: &Camera, cache: &Cache, common: &Common) -> anyhow::Result<
         isp: IspDescription::default(),
         ..own.clone()
     };
-    let key = serde_json::to_string(&bare)?;
-    if let Some(assets) = cache.studio_assets(&key) {
-        return Ok(assets);
-    }
+    Ok(Camera::new(bare, camera.grid())?)
+}
+
+/// The key of the light of a bare camera in the cache.
+fn key(bare: &Camera) -> anyhow::Result<String> {
+    Ok(serde_json::to_string(bare.description())?)
+}
+
+type Assets = fn(&Camera, &dyn smalti::experiment::Progress) -> Result<Vec<StudioAsset>, StudioAssetError>;
+
+fn gathered(bare: &Camera, assets: Assets, common: &Common) -> anyhow::Result<Vec<StudioAsset>> {
     let progress = Progress::new(0, common.quiet);
-    let assets = smalti_io::studio::assets(&Camera::new(bare, camera.grid())?, &progress)?;
+    let light = assets(bare, &progress)?;
     progress.finish();
-    cache.keep_studio_assets(&key, &assets);
-    Ok(assets)
+    Ok(light)
+}
+
+/// All of the light of a bare camera, from the cache or gathered.
+fn all_light(bare: &Camera, cache: &Cache, common: &Common) -> anyhow::Result<Vec<StudioAsset>> {
+    let key = key(bare)?;
+    if let Some(light) = cache.studio_assets(&key) {
+        return Ok(light);
+    }
+    let light = gathered(bare, smalti_io::studio::assets, common)?;
+    cache.keep_studio_assets(&key, &light);
+    Ok(light)
+}
+
+/// Keeps all of the light for the next start, gathered by one thread beside the page. Without it, the next start is as this one.
+fn keep_all(bare: &Camera, cache: &Cache) {
+    let Ok(key) = key(bare) else { return };
+    let Ok(pool) = rayon::ThreadPoolBuilder::new().num_threads(1).build() else { return };
+    if let Ok(light) = pool.install(|| smalti_io::studio::assets(bare, &Silent)) {
+        cache.keep_studio_assets(&key, &light);
+    }
 }
 
 /// The camera with which the page opens.

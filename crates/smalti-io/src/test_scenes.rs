@@ -71,7 +71,7 @@ pub fn test_scene(name: &str, illuminant: &Illuminant) -> Result<TestScene, IoEr
 }
 
 /// A scene at 1 cd/m² under an illuminant.
-fn under(illuminant: &Illuminant) -> SceneRequest {
+pub(crate) fn under(illuminant: &Illuminant) -> SceneRequest {
     SceneRequest {
         luminance_cd_m2: Some(1.0),
         illuminant: Some(illuminant.clone()),

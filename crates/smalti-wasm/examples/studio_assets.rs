@@ -13,7 +13,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let camera =
         cameras::load(args.next().as_deref().unwrap_or("bayer"), &[], None).map_err(|e| e.to_string())?;
     fs::create_dir_all(&folder)?;
-    for asset in studio::assets(&camera, &Silent)? {
+    for asset in studio::assets(&camera, &Silent)?.into_iter().chain(studio::sources()) {
         fs::write(Path::new(&folder).join(&asset.name), &asset.bytes)?;
         println!("{} {}", asset.name, asset.bytes.len());
     }

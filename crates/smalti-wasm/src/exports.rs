@@ -93,16 +93,37 @@ mod of_engine {
     use super::run;
     use crate::{EngineError, StudioFile};
 
-    /// Takes a file of the studio.
+    /// The input as a text of some bytes and what follows it.
+    fn named(input: &[u8], name_bytes: usize) -> Result<(&str, &[u8]), EngineError> {
+        input
+            .split_at_checked(name_bytes)
+            .and_then(|(name, rest)| Some((std::str::from_utf8(name).ok()?, rest)))
+            .ok_or(EngineError::Missing("a name in UTF-8"))
+    }
+
+    /// Takes a file of the studio: the first bytes of the input are the name of the lens in UTF-8, the others the file.
     #[unsafe(no_mangle)]
-    extern "C" fn load(kind: u32) -> i32 {
+    extern "C" fn load(kind: u32, name_bytes: usize) -> i32 {
         run(|module| {
             let kind = match kind {
                 0 => StudioFile::Training,
                 1 => StudioFile::Scene,
                 _ => StudioFile::Statistics,
             };
-            module.engine.load(kind, &std::mem::take(&mut module.input))?;
+            let input = std::mem::take(&mut module.input);
+            let (lens, file) = named(&input, name_bytes)?;
+            module.engine.load(lens, kind, file)?;
+            Ok::<_, EngineError>(0)
+        })
+    }
+
+    /// Takes a file from which light is gathered: the first bytes of the input are its name in UTF-8, the others the file.
+    #[unsafe(no_mangle)]
+    extern "C" fn source(name_bytes: usize) -> i32 {
+        run(|module| {
+            let input = std::mem::take(&mut module.input);
+            let (name, file) = named(&input, name_bytes)?;
+            module.engine.source(name, file.to_vec());
             Ok::<_, EngineError>(0)
         })
     }
@@ -112,11 +133,7 @@ mod of_engine {
     extern "C" fn photograph(name_bytes: usize, rows: usize, cols: usize) -> i32 {
         run(|module| {
             let input = std::mem::take(&mut module.input);
-            let named = input
-                .split_at_checked(name_bytes)
-                .and_then(|(name, rgba)| Some((std::str::from_utf8(name).ok()?, rgba)));
-            let (id, rgba) =
-                named.ok_or_else(|| EngineError::Photograph("expected a name in UTF-8".into()))?;
+            let (id, rgba) = named(&input, name_bytes)?;
             module.engine.photograph(id, [rows, cols], rgba)?;
             Ok::<_, EngineError>(0)
         })

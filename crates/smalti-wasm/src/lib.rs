@@ -13,7 +13,8 @@
 //! | `study()` | a study, resolved, as JSON | its index |
 //! | `setup(study, condition, is_learned, text_bytes)` | the light as JSON, then the numbers of its planes, 32 bits each | 0 |
 //! | `draw(number, scene, is_noisy)` | | 0; the output is RGBA, four bytes a pixel |
-//! | `load(kind)` | a file of the studio, inflated: 0 training, 1 scene, 2 statistics | 0 |
+//! | `load(kind, name_bytes)` | the name of a lens, then a file of the studio, inflated: 0 training, 1 scene, 2 statistics | 0 |
+//! | `source(name_bytes)` | the name of a file from which light is gathered, then the file | 0 |
 //! | `photograph(name_bytes, rows, cols)` | the name of a photograph, then RGBA | 0 |
 //! | `ask()` | a request as JSON | 0; the output is an [`Answer`](Engine) as bytes |
 //! | `output()`, `output_bytes()` | | where the output lies |

@@ -53,9 +53,9 @@ fn engine() -> Engine {
     let Files { scene, training, statistics, .. } = files();
     let mut engine = Engine::default();
     let path = Path::new("test");
-    engine.load(StudioFile::Scene, &studio::scene_to_bytes(scene, path).unwrap()).unwrap();
-    engine.load(StudioFile::Training, &studio::training_to_bytes(training, path).unwrap()).unwrap();
-    engine.load(StudioFile::Statistics, &light::to_bytes(statistics, path).unwrap()).unwrap();
+    engine.load("", StudioFile::Scene, &studio::scene_to_bytes(scene, path).unwrap()).unwrap();
+    engine.load("", StudioFile::Training, &studio::training_to_bytes(training, path).unwrap()).unwrap();
+    engine.load("", StudioFile::Statistics, &light::to_bytes(statistics, path).unwrap()).unwrap();
     engine
 }
 
@@ -88,6 +88,9 @@ fn pictures_are_those_of_the_library_bit_for_bit() {
     assert_eq!(measured.said["cpsnr_db"].as_f64(), Some(scores.cpsnr_db));
     assert_eq!(measured.said["scielab_mean"].as_f64(), Some(scores.scielab_mean));
     assert_eq!(measured.bytes.len(), 4 * 32 * 48);
+    let targets = learner.targets(&design, 3).unwrap();
+    assert_eq!(measured.said["targets"], json!(targets));
+    assert!(targets.mtf50_low_contrast_cy_per_px.unwrap() > 0.1);
     // The answer as bytes.
     let bytes = drawn.to_bytes();
     let length = u32::from_le_bytes(bytes[..4].try_into().unwrap()) as usize;
@@ -142,6 +145,31 @@ fn scores_are_those_of_the_command() {
     let expected = (value(&more) - value(&less)) / 2e-4;
     let found = at["derivatives"]["cpsnr_db"]["G"][14].as_f64().unwrap();
     assert!((found - expected).abs() < 1e-4 * expected.abs(), "{found} {expected}");
+}
+
+#[test]
+fn filters_that_the_family_does_not_have_are_named() {
+    let mut engine = engine();
+    let mut camera = files().camera.clone();
+    let band = smalti::sensor::Filter::Box { low_nm: 500.0, high_nm: 540.0, peak: 1.0 };
+    let pigment =
+        |letter: &str| (letter.to_owned(), smalti::sensor::Filter::Builtin(format!("pigment/{letter}")));
+    camera.sensor.cfa.filters = ["R", "B"].map(pigment).into();
+    camera.sensor.cfa.filters.insert("G".into(), band);
+    let mut warnings = |family: Value| {
+        let request = json!({"scores": {"design": camera, "luminances_cd_m2": [], "family": family}});
+        let said = ask(&mut engine, &request).said;
+        let named = said["warnings"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .filter(|w| w["message"].as_str().unwrap().contains("cannot be made"));
+        named.map(|w| w["filter"].as_str().unwrap().to_owned()).collect::<Vec<_>>()
+    };
+    assert_eq!(warnings(Value::Null), [""; 0]);
+    assert!(warnings(json!("pigments")).contains(&"G".to_owned()));
+    assert!(!warnings(json!("dichroic")).is_empty());
+    assert_eq!(warnings(json!("pigments")), warnings(json!("pigments")));
 }
 
 #[test]
@@ -227,10 +255,12 @@ fn what_is_wrong_is_told() {
     for at in (0..bytes.len()).step_by(bytes.len() / 23) {
         let mut damaged = bytes.clone();
         damaged[at] ^= 0x10;
-        assert!(engine.load(StudioFile::Training, &damaged).is_err(), "byte {at}");
-        assert!(engine.load(StudioFile::Training, &bytes[..at]).is_err(), "{at} bytes");
+        assert!(engine.load("", StudioFile::Training, &damaged).is_err(), "byte {at}");
+        assert!(engine.load("", StudioFile::Training, &bytes[..at]).is_err(), "{at} bytes");
     }
-    assert!(engine.load(StudioFile::Scene, &bytes).unwrap_err().to_string().contains("smalti-studio-scene"));
+    assert!(
+        engine.load("", StudioFile::Scene, &bytes).unwrap_err().to_string().contains("smalti-studio-scene")
+    );
 }
 
 /// Beside white, which fills the display, a colour of a photograph is shown as it is.
@@ -242,6 +272,8 @@ fn photographs_become_scenes() {
     let rgba = line.repeat(40);
     engine.photograph("mine", [40, 48], &rgba).unwrap();
     let design = json!(files().camera);
+    let light = ask(&mut engine, &json!({"light": {"design": design, "of": {"scene": "mine"}}}));
+    engine.load("", StudioFile::Scene, &light.bytes).unwrap();
     let request =
         json!({"draw": {"design": design, "scene": "mine", "luminance_cd_m2": 5.0, "reference": true}});
     let drawn = ask(&mut engine, &request);
@@ -256,7 +288,56 @@ fn photographs_become_scenes() {
     assert!(refused([8, 240], &rgba).contains("32"));
     assert!(refused([usize::MAX, 2], &rgba).contains("at most"));
     assert!(refused([40, 48], &vec![0; 4 * 40 * 48]).contains("black"));
+}
+
+/// The light behind another lens is that which the server gathers for a camera with it; designs of both lenses are drawn in turn.
+#[test]
+fn another_lens_has_light_of_its_own() {
+    let mut engine = engine();
+    let design = json!(files().camera);
+    let mut other = files().camera.clone();
+    other.optics.f_number = 2.0;
+    other.sensor.pixel.pitch_um = 1.4;
+    let setup = LiveSetup::new(&other, Illuminant::D65, studio::learning());
+    let light =
+        |engine: &mut Engine, of: Value| ask(engine, &json!({"light": {"design": other, "of": of}})).bytes;
+    let path = Path::new("test");
+    let training = light(&mut engine, json!("training"));
+    assert!(training == studio::training_to_bytes(&studio::training_light(&setup).unwrap(), path).unwrap());
+    let scene = light(&mut engine, json!({"scene": "colorchecker"}));
+    let expected = studio::scene_light(&setup, "colorchecker", None).unwrap();
+    assert!(scene == studio::scene_to_bytes(&expected, path).unwrap());
+    let draw = |engine: &mut Engine, design: &Value, lens: &str, scene: &str| {
+        let request =
+            json!({"draw": {"design": design, "lens": lens, "scene": scene, "luminance_cd_m2": 5.0}});
+        engine.ask(request.to_string().as_bytes())
+    };
+    let name = files().scene.name.clone();
+    let first = draw(&mut engine, &design, "", &name).unwrap();
+    let missing = draw(&mut engine, &json!(other), "f/2", "colorchecker").unwrap_err().to_string();
+    assert!(missing.contains("the light of this lens"), "{missing}");
+    engine.load("f/2", StudioFile::Training, &training).unwrap();
+    engine.load("f/2", StudioFile::Scene, &scene).unwrap();
+    draw(&mut engine, &json!(other), "f/2", "colorchecker").unwrap();
+    assert!(draw(&mut engine, &json!(other), "", &name).unwrap_err().to_string().contains("pitch_um"));
+    assert_eq!(draw(&mut engine, &design, "", &name).unwrap(), first);
+    // The figures of the array alone need no light.
+    let array =
+        ask(&mut engine, &json!({"scores": {"design": other, "lens": "f/2", "luminances_cd_m2": []}})).said;
+    assert!(array["array"]["vora_value"].as_f64().unwrap() > 0.5 && array["expected"] == json!([]));
+    ask(&mut engine, &json!({"forget": {"lens": "f/2"}}));
+    assert!(draw(&mut engine, &json!(other), "f/2", "colorchecker").is_err());
+    let wrong =
+        |engine: &mut Engine, of: Value| refused(engine, &json!({"light": {"design": other, "of": of}}));
+    assert!(wrong(&mut engine, json!({"scene": "none"})).contains("no scene 'none'"));
+    assert!(wrong(&mut engine, json!({"scene": "brushes"})).contains("source"));
+    assert!(wrong(&mut engine, json!("statistics")).contains("training-clutter-1"));
+    engine.source("brushes", b"no photograph".to_vec());
+    assert!(wrong(&mut engine, json!({"scene": "brushes"})).contains("photo-brushes"));
+    let mut impossible = other.clone();
+    impossible.optics.f_number = -2.0;
     assert!(
-        Engine::default().photograph("mine", [40, 48], &rgba).unwrap_err().to_string().contains("training")
+        refused(&mut engine, &json!({"light": {"design": impossible, "of": "training"}}))
+            .contains("f_number")
     );
 }

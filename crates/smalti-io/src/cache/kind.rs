@@ -4,6 +4,9 @@ use blake3::{Hash, Hasher};
 use smalti::numeric::arithmetic;
 use smalti::optics::OPTICAL_IMAGE_REVISION;
 
+/// Revision of the files of the studio. Increase it with every change of their content or format.
+const STUDIO_LIGHT_REVISION: u32 = 1;
+
 /// What an entry holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 #[non_exhaustive]
@@ -49,7 +52,11 @@ impl EntryKind {
 
     /// The hash of everything that an entry was computed from. A cache must not outlive a correction.
     pub(super) fn key(self, description: &str) -> Hash {
-        let revision = if self == Self::OpticalImage { OPTICAL_IMAGE_REVISION } else { 0 };
+        let revision = match self {
+            Self::OpticalImage => OPTICAL_IMAGE_REVISION,
+            Self::StudioLight => STUDIO_LIGHT_REVISION,
+            _ => 0,
+        };
         hash(&[
             ("kind", self.extension().as_bytes()),
             ("revision", &revision.to_le_bytes()),

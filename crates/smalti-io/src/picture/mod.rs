@@ -38,5 +38,10 @@ pub fn from_bytes(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<Pi
     }
 }
 
+/// As [`from_bytes`], for a JPEG file.
+pub(crate) fn from_jpeg(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<Picture, IoError> {
+    jpeg::decode(bytes, path, options)
+}
+
 #[cfg(test)]
 mod tests;

@@ -50,6 +50,11 @@ impl<'a> Reader<'a> {
     }
 }
 
+/// Whether a file is a picture of this format, by its first bytes.
+pub(super) fn is_file(bytes: &[u8]) -> bool {
+    bytes.starts_with(MAGIC)
+}
+
 /// Decodes a picture.
 pub(super) fn decode(name: &str, bytes: &[u8]) -> Result<SpectralFile, IoError> {
     let mut file = Reader { path: PathBuf::from(name), bytes };

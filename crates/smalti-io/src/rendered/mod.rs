@@ -5,7 +5,7 @@
 
 mod components;
 mod photograph;
-mod training;
+pub(crate) mod training;
 
 use std::path::Path;
 
@@ -14,9 +14,9 @@ use smalti::spectrum::{Illuminant, WavelengthGrid};
 
 use self::photograph::{decode, reflectances};
 pub use self::training::{BuiltInTrainingScenes, TrainingSet};
+use crate::IoError;
 use crate::error::At;
 use crate::scene_file::Upsampling;
-use crate::{IoError, SpectralFile};
 
 /// A scene from a built-in file.
 #[derive(Debug, Clone, Copy)]
@@ -32,7 +32,7 @@ pub struct StoredScene {
 enum Content {
     /// Components of spectral radiance.
     Rendered(&'static [u8]),
-    /// A photograph in a format of [`picture`].
+    /// A photograph as JPEG.
     Photograph(&'static [u8]),
 }
 
@@ -89,17 +89,30 @@ impl StoredScene {
     /// # Errors
     /// When the stored file is damaged.
     pub fn load(&self) -> Result<Scene, IoError> {
-        let file = match self.content {
-            Content::Rendered(bytes) => components::decode(self.name, bytes)?,
-            Content::Photograph(bytes) => repainted(self.name, bytes)?,
-        };
-        file.into_scene(&Setting { illuminant: Illuminant::D65, ..Setting::default() })
+        match self.content {
+            Content::Rendered(bytes) => components::decode(self.name, bytes)?
+                .into_scene(&Setting { illuminant: Illuminant::D65, ..Setting::default() }),
+            Content::Photograph(bytes) => of_photograph(self.name, bytes),
+        }
+    }
+
+    /// The file of a photograph.
+    pub(crate) fn photograph(&self) -> Option<&'static [u8]> {
+        match self.content {
+            Content::Photograph(bytes) => Some(bytes),
+            Content::Rendered(_) => None,
+        }
     }
 }
 
-fn repainted(name: &str, bytes: &[u8]) -> Result<SpectralFile, IoError> {
+/// A photograph, a JPEG file, whose pixels get measured reflectances, in daylight (D65) at the mean luminance of [`Setting::default`].
+///
+/// # Errors
+/// When the file is damaged.
+pub(crate) fn of_photograph(name: &str, bytes: &[u8]) -> Result<Scene, IoError> {
     let cube = Upsampling::Measured.spectra(&decode(name, bytes)?, WavelengthGrid::VISIBLE);
-    Ok(reflectances(name, cube.at(Path::new(name))?))
+    let file = reflectances(name, cube.at(Path::new(name))?);
+    file.into_scene(&Setting { illuminant: Illuminant::D65, ..Setting::default() })
 }
 
 #[cfg(test)]

@@ -8,10 +8,10 @@ use smalti::spectrum::SpectralCube;
 use crate::error::At;
 use crate::{IoError, Quantity, ReadOptions, SpectralFile, picture};
 
-/// A photograph in linear sRGB.
+/// A photograph, a JPEG file, in linear sRGB.
 pub(super) fn decode(name: &str, bytes: &[u8]) -> Result<Image, IoError> {
     let path = Path::new(name);
-    let image = picture::from_bytes(bytes, path, &ReadOptions::default())?.image;
+    let image = picture::from_jpeg(bytes, path, &ReadOptions::default())?.image;
     image.converted(ColorSpace::LinearSrgb).at(path)
 }
 

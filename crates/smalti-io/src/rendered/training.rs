@@ -43,52 +43,62 @@ impl TrainingSet {
     }
 }
 
-enum Content {
-    /// A photograph as JPEG.
-    Photograph(&'static [u8]),
-    /// Components of spectral radiance under lamps of one spectrum.
-    Rendered(&'static [u8]),
-}
+/// The names of the training scenes that are stored, photographs and path-traced scenes.
+pub(crate) const NAMES: [&str; 7] = [
+    "training-clutter-1",
+    "training-clutter-2",
+    "training-coffee",
+    "training-dandelion",
+    "training-drum",
+    "training-mountain",
+    "training-spaniels",
+];
 
-macro_rules! stored {
-    ($($name:literal: $kind:ident($content:expr);)*) => {
-        [$(($name, Content::$kind($content))),*]
-    };
+/// The file of a training scene.
+pub(crate) fn file(name: &str) -> Option<&'static [u8]> {
+    Some(match name {
+        "training-clutter-1" => smalti_scenes::CLUTTER_1,
+        "training-clutter-2" => smalti_scenes::CLUTTER_2,
+        "training-coffee" => include_bytes!("../../scenes/training-coffee.jpg"),
+        "training-dandelion" => include_bytes!("../../scenes/training-dandelion.jpg"),
+        "training-drum" => include_bytes!("../../scenes/training-drum.jpg"),
+        "training-mountain" => include_bytes!("../../scenes/training-mountain.jpg"),
+        "training-spaniels" => include_bytes!("../../scenes/training-spaniels.jpg"),
+        _ => return None,
+    })
 }
-
-static SCENES: [(&str, Content); 7] = stored! {
-    "training-clutter-1": Rendered(smalti_scenes::CLUTTER_1);
-    "training-clutter-2": Rendered(smalti_scenes::CLUTTER_2);
-    "training-coffee": Photograph(include_bytes!("../../scenes/training-coffee.jpg"));
-    "training-dandelion": Photograph(include_bytes!("../../scenes/training-dandelion.jpg"));
-    "training-drum": Photograph(include_bytes!("../../scenes/training-drum.jpg"));
-    "training-mountain": Photograph(include_bytes!("../../scenes/training-mountain.jpg"));
-    "training-spaniels": Photograph(include_bytes!("../../scenes/training-spaniels.jpg"));
-};
 
 impl StoredTrainingScenes for BuiltInTrainingScenes {
     fn names(&self) -> Vec<&'static str> {
-        SCENES.iter().map(|(name, _)| *name).collect()
+        NAMES.to_vec()
     }
 
     fn load(&self, name: &str, grid: WavelengthGrid, painted_with: &[Spectrum]) -> Result<Scene, String> {
-        let stored = SCENES.iter().find(|(known, _)| *known == name);
-        let (_, content) = stored.ok_or_else(|| format!("there is no training scene {name}"))?;
-        let cube = match content {
-            Content::Photograph(bytes) => {
-                let image = decode(name, bytes).map_err(text)?;
-                let paint = painted_with.iter().cloned();
-                let repaint = Repaint::with(grid, Observer::Cie1931, paint).map_err(text)?;
-                repaint.repaint_image(&image).map_err(text)?
-            }
-            Content::Rendered(bytes) => {
-                let scene = components::decode(name, bytes).and_then(|f| f.into_scene(&Setting::default()));
-                relative_to_light(&scene.map_err(text)?, grid).map_err(text)?
-            }
-        };
-        let setting = Setting { illuminant: Illuminant::E, grid, ..Setting::default() };
-        reflectances(name, cube).into_scene(&setting).map_err(text)
+        let bytes = file(name).ok_or_else(|| format!("there is no training scene {name}"))?;
+        scene(name, bytes, grid, painted_with)
     }
+}
+
+/// The scene of a file: a photograph as JPEG, which is painted, or components of spectral radiance under lamps of one spectrum.
+///
+/// # Errors
+/// Why the scene cannot be read.
+pub(crate) fn scene(
+    name: &str,
+    bytes: &[u8],
+    grid: WavelengthGrid,
+    painted_with: &[Spectrum],
+) -> Result<Scene, String> {
+    let cube = if components::is_file(bytes) {
+        let scene = components::decode(name, bytes).and_then(|f| f.into_scene(&Setting::default()));
+        relative_to_light(&scene.map_err(text)?, grid).map_err(text)?
+    } else {
+        let image = decode(name, bytes).map_err(text)?;
+        let repaint = Repaint::with(grid, Observer::Cie1931, painted_with.iter().cloned()).map_err(text)?;
+        repaint.repaint_image(&image).map_err(text)?
+    };
+    let setting = Setting { illuminant: Illuminant::E, grid, ..Setting::default() };
+    reflectances(name, cube).into_scene(&setting).map_err(text)
 }
 
 /// Radiance relative to that of a white in the scene's light, interpolated to a grid and held constant beyond the wavelengths of the
@@ -141,10 +151,7 @@ mod tests {
     #[test]
     fn an_equal_energy_illuminant_leaves_the_colours_of_a_rendered_scene() {
         let loaded = BuiltInTrainingScenes.load("training-clutter-1", WavelengthGrid::VISIBLE, &[]).unwrap();
-        let Some((name, Content::Rendered(bytes))) = SCENES.iter().find(|(name, _)| *name == loaded.name())
-        else {
-            panic!("{} is stored", loaded.name());
-        };
+        let (name, bytes) = (loaded.name(), file(loaded.name()).unwrap());
         let stored = components::decode(name, bytes).unwrap().into_scene(&Setting::default()).unwrap();
         let (a, b) = (loaded.radiance().pixel(300, 200).unwrap(), stored.radiance().pixel(300, 200).unwrap());
         let ratios: Vec<f64> = a.values().iter().zip(b.values()).map(|(a, b)| a / b).collect();

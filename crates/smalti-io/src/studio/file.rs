@@ -14,7 +14,7 @@ use crate::IoError;
 use crate::container::{Content, Opened};
 
 const SCENE: (&str, &str) = ("smalti-studio-scene", "1");
-const TRAINING: (&str, &str) = ("smalti-studio-training", "1");
+const TRAINING: (&str, &str) = ("smalti-studio-training", "2");
 
 /// The bytes of the file of a scene; `path` is only named in errors.
 ///
@@ -32,13 +32,15 @@ pub fn scene_from_bytes(bytes: &[u8], path: &Path) -> Result<LiveScene, IoError>
     from_bytes(SCENE, "the light of a scene for the studio", bytes, path, planes_of_scene)
 }
 
-/// The bytes of the file of a training scene; `path` is only named in errors.
+/// The bytes of the file of a training scene and the targets; `path` is only named in errors.
 ///
 /// # Errors
 /// When a number of the light is too large.
 pub fn training_to_bytes(training: &LiveTraining, path: &Path) -> Result<Vec<u8>, IoError> {
     let light = &training.training;
-    to_bytes(TRAINING, training, &[&light.chart.light.planes, &light.light.planes, &light.seen], path)
+    let edges = [&training.edge, &training.low_contrast_edge].map(|e| &e.light.planes);
+    let planes = [&light.chart.light.planes, &light.light.planes, &light.seen];
+    to_bytes(TRAINING, training, &[&planes[..], &edges].concat(), path)
 }
 
 /// The light of a training scene; `path` is only named in errors.
@@ -55,7 +57,13 @@ fn planes_of_scene(scene: &mut LiveScene) -> Vec<&mut QuantizedPlanes> {
 
 fn planes_of_training(training: &mut LiveTraining) -> Vec<&mut QuantizedPlanes> {
     let light = &mut training.training;
-    vec![&mut light.chart.light.planes, &mut light.light.planes, &mut light.seen]
+    vec![
+        &mut light.chart.light.planes,
+        &mut light.light.planes,
+        &mut light.seen,
+        &mut training.edge.light.planes,
+        &mut training.low_contrast_edge.light.planes,
+    ]
 }
 
 fn to_bytes(

@@ -6,41 +6,69 @@
 //! | `training.bin` | [`LiveTraining`](smalti::design::live::LiveTraining): the light that pipelines are learned from |
 //! | `SCENE.bin` | [`LiveScene`]: the light of a scene |
 //! | `statistics.bin` | [`LightStatistics`](smalti::design::light::LightStatistics), as in a `.light` file |
+//! | `NAME.jpg`, `NAME.spc` | [`sources`]: what the page gathers the light behind another lens from |
 //!
-//! All but the manifest are deflated. The light is quantised to a thousandth of the brightest pixel; each number is stored as its difference from what its
+//! All but the manifest and the sources are deflated. The light is quantised to a thousandth of the brightest pixel; each number is stored as its difference from what its
 //! neighbours predict.
 
 mod file;
+mod lens;
 mod residuals;
 
+use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::Path;
 
 use flate2::Compression;
 use flate2::write::DeflateEncoder;
 use rayon::prelude::*;
-use serde_json::{Value, json};
-use smalti::camera::{Camera, CameraError, TestScene};
+use serde_json::json;
+use smalti::camera::{Camera, CameraError};
 use smalti::design::LearningSettings;
-use smalti::design::light::LightSettings;
-use smalti::design::live::{LiveScene, LiveSetup};
-use smalti::experiment::{ExperimentError, Progress, Resources, light_statistics};
+use smalti::design::live::LiveSetup;
+use smalti::experiment::{ExperimentError, Progress};
 use smalti::spectrum::Illuminant;
 use thiserror::Error;
 
 pub use file::{scene_from_bytes, scene_to_bytes, training_from_bytes, training_to_bytes};
+pub use lens::{TrainingFiles, scene_light, sources, statistics_of_light, training_light};
 
-use crate::{IoError, light, rendered, test_scenes};
+use crate::{IoError, light, rendered};
 
 /// Spectral components of scenes and of the training scene. They describe natural surfaces in daylight to a few thousandths.
 const COMPONENTS: usize = 8;
-/// The scenes: identifier, name in the catalogue, name for people. The first is shown first.
-const SCENES: [(&str, &str, &str); 5] = [
-    ("brushes", "photo-brushes", "Paint brushes"),
-    ("spices", "photo-spices", "Spices"),
-    ("dahlia", "photo-dahlia", "Dahlia"),
-    ("colorchecker", "macbeth", "ColorChecker"),
-    ("leaves", "dead-leaves", "Dead leaves"),
+
+/// A scene of the studio.
+struct StudioScene {
+    id: &'static str,
+    /// Its name in the catalogue.
+    catalogue: &'static str,
+    /// Its name for people.
+    name: &'static str,
+}
+
+impl StudioScene {
+    const fn new(id: &'static str, catalogue: &'static str, name: &'static str) -> Self {
+        Self { id, catalogue, name }
+    }
+
+    fn is_photograph(&self) -> bool {
+        self.catalogue.starts_with("photo-")
+    }
+
+    /// The name of its source, for a photograph.
+    fn source(&self) -> Option<String> {
+        self.is_photograph().then(|| format!("{}.jpg", self.catalogue))
+    }
+}
+
+/// The scenes. The first is shown first.
+static SCENES: [StudioScene; 5] = [
+    StudioScene::new("brushes", "photo-brushes", "Paint brushes"),
+    StudioScene::new("spices", "photo-spices", "Spices"),
+    StudioScene::new("dahlia", "photo-dahlia", "Dahlia"),
+    StudioScene::new("colorchecker", "macbeth", "ColorChecker"),
+    StudioScene::new("leaves", "dead-leaves", "Dead leaves"),
 ];
 
 /// How the studio learns: with smaller patches and a smaller training scene than a study, so that a mosaic takes a fraction of a second.
@@ -71,6 +99,20 @@ pub enum StudioAssetError {
     /// A scene cannot be read, or a file not be made.
     #[error(transparent)]
     Io(#[from] IoError),
+    /// There is no such scene.
+    #[error("there is no scene '{0}'")]
+    NoScene(String),
+    /// A scene that needs its source came without it.
+    #[error("scene '{0}': its source is missing; expected the file that the manifest names")]
+    NoSource(String),
+}
+
+/// Which light is gathered.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Extent {
+    /// That of the training scene and of the first scene.
+    First,
+    All,
 }
 
 /// The files of the studio for the lens and the pixel geometry of a camera, in daylight (D65); the page begins with this camera. Equal arguments
@@ -79,62 +121,87 @@ pub enum StudioAssetError {
 /// # Errors
 /// When the camera is invalid or its lens cannot image a scene, or when it was stopped.
 pub fn assets(camera: &Camera, progress: &dyn Progress) -> Result<Vec<StudioAsset>, StudioAssetError> {
+    gathered(camera, Extent::All, progress)
+}
+
+/// The files with which the page shows its first picture, in a second: the manifest names no file for the other scenes and the statistics, and the
+/// page gathers their light from [`sources`], as it does behind another lens.
+///
+/// # Errors
+/// As [`assets`].
+pub fn first_assets(camera: &Camera, progress: &dyn Progress) -> Result<Vec<StudioAsset>, StudioAssetError> {
+    gathered(camera, Extent::First, progress)
+}
+
+fn gathered(
+    camera: &Camera,
+    extent: Extent,
+    progress: &dyn Progress,
+) -> Result<Vec<StudioAsset>, StudioAssetError> {
     let illuminant = Illuminant::D65;
     let setup = LiveSetup::new(camera.description(), illuminant.clone(), learning());
-    progress.expect(SCENES.len() as u64 + 1);
-    let scenes: Vec<(Value, StudioAsset)> = SCENES
-        .par_iter()
-        .map(|(id, catalogue, name)| {
+    let count = if extent == Extent::First { 1 } else { SCENES.len() };
+    progress.expect(count as u64 + 1);
+    let scenes = || {
+        let asset = |about: &StudioScene| {
             if progress.is_stopped() {
                 return Err(ExperimentError::Stopped.into());
             }
-            let scene =
-                LiveScene { name: (*id).into(), ..setup.scene(&scene(catalogue, &illuminant)?, COMPONENTS)? };
-            let planes = &scene.scene.light.planes;
-            let set = if rendered::find(catalogue).is_some() { "natural" } else { "charts" };
-            let file = format!("{id}.bin");
-            let about = json!({
-                "id": id, "name": name, "set": set, "width": planes.cols, "height": planes.rows, "file": file,
-            });
-            let asset = deflated(file, &scene_to_bytes(&scene, Path::new(id))?);
+            let source = rendered::find(about.catalogue).and_then(|stored| stored.photograph());
+            let scene = scene_light(&setup, about.id, source)?;
+            let asset = deflated(file_of(about), &scene_to_bytes(&scene, Path::new(about.id))?);
             progress.done();
-            Ok((about, asset))
-        })
-        .collect::<Result<_, StudioAssetError>>()?;
-    let training = training_to_bytes(&setup.training(COMPONENTS)?, Path::new("training"))?;
-    progress.done();
-    let stored = rendered::TrainingSet::All.stored();
-    let resources = Resources { training_scenes: stored, progress, ..Resources::default() };
-    let statistics = light_statistics(camera, &illuminant, None, &LightSettings::default(), resources)?;
-    let statistics = light::to_bytes(&statistics, Path::new("statistics"))?;
+            Ok(asset)
+        };
+        SCENES[..count].par_iter().map(asset).collect::<Result<Vec<_>, StudioAssetError>>()
+    };
+    let training = || {
+        let bytes = training_to_bytes(&training_light(&setup)?, Path::new("training"))?;
+        progress.done();
+        Ok::<_, StudioAssetError>(deflated("training.bin".into(), &bytes))
+    };
+    let (scenes, training) = rayon::join(scenes, training);
+    let statistics = match extent {
+        Extent::First => None,
+        Extent::All => {
+            let stored = rendered::TrainingSet::All.stored();
+            let found = statistics_of_light(camera, &illuminant, stored, progress)?;
+            let bytes = light::to_bytes(&found, Path::new("statistics"))?;
+            Some(deflated("statistics.bin".into(), &bytes))
+        }
+    };
     let description = camera.description();
+    let training_sources: BTreeMap<&str, String> =
+        rendered::training::NAMES.iter().map(|name| (*name, lens::training_source(name))).collect();
+    let about = |(at, scene): (usize, &StudioScene)| {
+        json!({
+            "id": scene.id,
+            "name": scene.name,
+            "set": if scene.is_photograph() { "natural" } else { "charts" },
+            "file": (at < count).then(|| file_of(scene)),
+            "source": scene.source(),
+        })
+    };
     let manifest = json!({
-        "version": 1,
+        "version": 2,
         "training": "training.bin",
-        "statistics": "statistics.bin",
-        "scenes": scenes.iter().map(|(about, _)| about).collect::<Vec<_>>(),
+        "statistics": statistics.as_ref().map(|asset| &asset.name),
+        "training_sources": training_sources,
+        "scenes": SCENES.iter().enumerate().map(about).collect::<Vec<_>>(),
         "setups": [{
             "id": description.name,
             "name": description.name,
             "illuminant": illuminant.name(),
-            "fixed": {
-                "optics.f_number": description.optics.f_number,
-                "optics.focal_length_mm": description.optics.focal_length_mm,
-                "sensor.pixel.pitch_um": description.sensor.pixel.pitch_um,
-                "sensor.pixel.fill_factor": description.sensor.pixel.fill_factor,
-            },
             "camera": description,
         }],
     });
     let manifest = StudioAsset { name: "manifest.json".into(), bytes: manifest.to_string().into_bytes() };
-    let mut all = vec![manifest, deflated("training.bin".into(), &training)];
-    all.push(deflated("statistics.bin".into(), &statistics));
-    all.extend(scenes.into_iter().map(|(_, asset)| asset));
-    Ok(all)
+    Ok([manifest, training?].into_iter().chain(statistics).chain(scenes?).collect())
 }
 
-fn scene(name: &str, illuminant: &Illuminant) -> Result<TestScene, StudioAssetError> {
-    Ok(test_scenes::test_scene(TestScene::built_in(name).name(), illuminant)?)
+/// The name of the file of a scene.
+fn file_of(scene: &StudioScene) -> String {
+    format!("{}.bin", scene.id)
 }
 
 fn deflated(name: String, bytes: &[u8]) -> StudioAsset {

@@ -5,16 +5,21 @@
 let wasm;
 /** @type {string} */
 let base;
-/** @type {{ scenes: { id: string, file: string }[], [key: string]: any }} */
+/** @type {{ scenes: { id: string, file: string | null, source: string | null }[], training_sources: Record<string, string>, [key: string]: any }} */
 let manifest;
 /** Files that are loaded or on their way. @type {Map<string, Promise<void>>} */
 const loaded = new Map();
 
-/** @param {string} name @returns {Promise<ArrayBuffer>} */
-async function inflated(name) {
+/** @param {string} name */
+async function fetched(name) {
   const response = await fetch(new URL(name, base));
   if (!response.ok || !response.body) throw new Error(`${name} is missing: ${response.status}`);
-  return new Response(response.body.pipeThrough(new DecompressionStream("deflate-raw"))).arrayBuffer();
+  return response.body;
+}
+
+/** @param {string} name @returns {Promise<ArrayBuffer>} */
+async function inflated(name) {
+  return new Response((await fetched(name)).pipeThrough(new DecompressionStream("deflate-raw"))).arrayBuffer();
 }
 
 /** @param {(Uint8Array | Uint8ClampedArray)[]} parts */
@@ -46,21 +51,37 @@ function ask(task, content) {
   return answer();
 }
 
-const [TRAINING, SCENE, STATISTICS] = [0, 1, 2];
+/** The kinds of files of the module. */
+const KINDS = { training: 0, scene: 1, statistics: 2 };
 
-/** Hands a file of the assets to the module, once. @param {string} name @param {number} kind */
-function load(name, kind) {
+/** Work on a file that is done once. @param {string} name @param {() => Promise<void>} work */
+function once(name, work) {
   let loading = loaded.get(name);
   if (!loading) {
-    loading = inflated(name).then((bytes) => {
-      put(new Uint8Array(bytes));
-      checked(wasm.load(kind));
-    });
+    loading = work();
     loading.catch(() => loaded.delete(name));
     loaded.set(name, loading);
   }
   return loading;
 }
+
+/** Hands light behind a lens to the module. @param {string} lens @param {keyof typeof KINDS} kind @param {ArrayBuffer} bytes */
+function take(lens, kind, bytes) {
+  const name = new TextEncoder().encode(lens);
+  put(name, new Uint8Array(bytes));
+  checked(wasm.load(KINDS[kind], name.byteLength));
+}
+
+/** Hands a file of the page to the module. @param {string} file @param {keyof typeof KINDS} kind */
+const load = (file, kind) => once(file, async () => take("", kind, await inflated(file)));
+
+/** Hands what light is gathered from to the module. @param {string} name @param {string} file */
+const source = (name, file) => once(file, async () => {
+  const bytes = new Uint8Array(await new Response(await fetched(file)).arrayBuffer());
+  const text = new TextEncoder().encode(name);
+  put(text, bytes);
+  checked(wasm.source(text.byteLength));
+});
 
 /** @param {ArrayBuffer} a @param {ArrayBuffer} b @returns {ArrayBuffer} */
 function joined(a, b) {
@@ -70,29 +91,35 @@ function joined(a, b) {
   return all.buffer;
 }
 
-/** Photographs of the visitor, by name. @type {Set<string>} */
-const photographs = new Set();
+/** A scene of the page; `undefined` for a photograph of the visitor. @param {string} id */
+const scene_of = (id) => manifest.scenes.find((s) => s.id === id);
 
-/** Hands the light of a scene to the module. @param {string} id */
-async function load_scene(id) {
-  if (photographs.has(id)) return;
-  const scene = manifest.scenes.find((s) => s.id === id);
-  if (!scene) throw new Error(`there is no scene ${id}`);
-  await load(scene.file, SCENE);
+/** Hands the statistics to the module that came with the page; others were put here before. @param {string} lens */
+async function load_statistics(lens) {
+  if (lens === "" && manifest.statistics) await load(manifest.statistics, "statistics");
 }
 
 /** @type {Record<string, (content: any) => Promise<any>>} */
 const tasks = {
   start: async (content) => {
-    base = content.base;
-    const [text, module] = await Promise.all([fetch(new URL("manifest.json", base)), inflated("studio.wasm.deflate")]);
-    if (!text.ok) throw new Error(`manifest.json is missing: ${text.status}`);
-    manifest = await text.json();
-    wasm = (await WebAssembly.instantiate(module)).instance.exports;
-    return { ...manifest, catalogue: ask("catalogue", {}).said };
+    ({ base, manifest } = content);
+    wasm = (await WebAssembly.instantiate(/** @type {WebAssembly.Module} */ (content.module))).exports;
+  },
+  catalogue: async (content) => ask("catalogue", content),
+  put: async ({ lens, kind, bytes }) => take(lens, kind, bytes),
+  forget: async (content) => ask("forget", content),
+  light: async ({ of, design }) => {
+    if (of === "statistics") await Promise.all(Object.entries(manifest.training_sources).map(([name, file]) => source(name, file)));
+    const file = of.scene && scene_of(of.scene)?.source;
+    if (file) await source(of.scene, file);
+    return ask("light", { of, design });
   },
   draw: async ({ measure, ...content }) => {
-    await Promise.all([load(manifest.training, TRAINING), load_scene(content.scene)]);
+    // Light that did not come with the page was put here before.
+    if (content.lens === "") {
+      const file = scene_of(content.scene)?.file;
+      await Promise.all([load(manifest.training, "training"), file && load(file, "scene")]);
+    }
     const times = [performance.now()];
     const timed = (/** @type {string} */ part) => {
       const result = ask(part, content);
@@ -107,20 +134,17 @@ const tasks = {
     return { said: { ...learned, ...said, scores: measured?.said ?? null, timings_ms: { learn, draw, score: score ?? 0 } }, bytes: all };
   },
   photograph: async ({ id, width, height, rgba }) => {
-    await load(manifest.training, TRAINING);
     const name = new TextEncoder().encode(id);
     put(name, rgba);
     checked(wasm.photograph(name.byteLength, height, width));
-    photographs.add(id);
-    return {};
   },
   scores: async (content) => {
-    await load(manifest.statistics, STATISTICS);
+    if (content.luminances_cd_m2.length > 0) await load_statistics(content.lens);
     return ask("scores", content);
   },
   curves: async (content) => ask("curves", content),
   improve: async (content) => {
-    await load(manifest.statistics, STATISTICS);
+    await load_statistics(content.lens);
     return ask("improve", content);
   },
   step: async (content) => ask("step", content),
@@ -131,7 +155,7 @@ const tasks = {
 self.onmessage = async ({ data }) => {
   try {
     const result = await tasks[data.task](data.content);
-    self.postMessage({ id: data.id, result }, { transfer: result?.bytes ? [result.bytes] : [] });
+    self.postMessage({ id: data.id, result: result ?? {} }, { transfer: result?.bytes ? [result.bytes] : [] });
   } catch (error) {
     self.postMessage({ id: data.id, error: error instanceof Error ? error.message : String(error) });
   }

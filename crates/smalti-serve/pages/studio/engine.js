@@ -5,11 +5,14 @@
 // A design is a camera description, as JSON: the keys are those of a camera file (`smalti list camera-keys`), and every key has its
 // default. The tile is `sensor.cfa.pattern`, the filters are `sensor.cfa.filters`.
 //
-// What is live, and what the assets fix: the light of the scenes on the pixels is gathered once, behind one lens and on one pixel
-// geometry. `optics` (except `transmittance` and `ir_cut`), `sensor.pixel.pitch_um`, `sensor.pixel.fill_factor` and `wavelengths_nm` of a
-// design are therefore those of one of the setups in `engine.setups`; a design with other values is refused with a message that names the
-// key. All other keys of the sensor, the transmittance of the lens and the exposure are live. Pictures have the size of the scene, whatever
+// The light of the scenes on the pixels is gathered once for each lens and pixel geometry: for `optics` (except `transmittance` and `ir_cut`),
+// `sensor.pixel.pitch_um` and `sensor.pixel.fill_factor`. That of the camera with which the page begins came with the page; that of another
+// lens takes seconds (`light`). `wavelengths_nm` of a design are those of this camera; a design with others is refused with a message that
+// names the key. Pictures have the size of the scene, whatever
 // `sensor.rows` and `sensor.cols` say. Pipelines are learned from statistics of light, which hold for a mosaic without crosstalk and binning.
+import { Lights, START } from "./lights.js";
+
+/** @typedef {import("./lights.js").LightOf} LightOf */
 
 /**
  * The transmittance of a filter: one key, such as `{ gaussian: { center_nm: 540, sigma_nm: 35, peak: 0.9 } }`.
@@ -35,13 +38,10 @@
  * @property {Record<string, any>} [isp]
  */
 
-/** @typedef {{ id: string, name: string, set: "charts" | "natural" | "own", width: number, height: number }} Scene */
+/** A scene; `file` is its light, if it came with the page. @typedef {{ id: string, name: string, set: "charts" | "natural" | "own", file?: string | null }} Scene */
 /** @typedef {{ row: number, col: number, rows: number, cols: number }} Crop */
 
-/**
- * The lens and pixel geometry of the assets: the values of the keys that are not live.
- * @typedef {{ id: string, name: string, fixed: Record<string, any>, camera: Design }} Setup
- */
+/** The camera whose light came with the page, without its mosaic. @typedef {{ id: string, name: string, camera: Design }} Setup */
 
 /**
  * A warning about a design. `filter` is the letter of the filter that it is about.
@@ -49,8 +49,13 @@
  */
 
 /**
+ * Resolution and noise on the targets, as `smalti compare` measures them; null where they cannot be measured.
+ * @typedef {{ mtf50_cy_per_mm: number | null, mtf50_cy_per_px: number | null, mtf50_low_contrast_cy_per_mm: number | null,
+ *   mtf50_low_contrast_cy_per_px: number | null, luminance_noise_percent: number | null }} TargetScores
+ */
+/**
  * The differences of the picture from the reference, as `smalti compare` scores them.
- * @typedef {{ cpsnr_db: number, pixel_delta_e_2000_mean: number, pixel_delta_e_2000_p95: number, scielab_mean: number }} PictureScores
+ * @typedef {{ cpsnr_db: number, pixel_delta_e_2000_mean: number, pixel_delta_e_2000_p95: number, scielab_mean: number, targets: TargetScores }} PictureScores
  */
 
 /**
@@ -100,6 +105,8 @@
  * @property {string[][]} mosaic The letters of the tile, row by row.
  */
 
+/** Filters: any smooth curves, layers of pigments, or bands between two edges. @typedef {"free" | "pigments" | "dichroic"} Family */
+
 /**
  * What stays as it is: filters by letter, and cells as [row, column] of the tile. `mosaic: true` keeps all cells.
  * @typedef {{ filters?: string[], cells?: [number, number][], mosaic?: boolean }} Locks
@@ -112,12 +119,25 @@
  */
 
 const NOTHING_NEWER = null;
+/** Lenses whose light a worker holds beside that of the start: those of the design and of the pinned one, and one more. */
+const HELD_LENSES = 3;
+/** References that are kept, about 0.5 MB each. */
+const KEPT_REFERENCES = 24;
+
+/** @param {URL} url @returns {Promise<Response>} */
+async function fetched(url) {
+  const response = await fetch(url);
+  if (!response.ok) throw new Error(`${url.pathname.split("/").pop()} is missing: ${response.status}`);
+  return response;
+}
 
 /** A worker with the module. Requests are answered in turn. */
 class Bench {
   /** @type {Worker} */ #worker;
   /** @type {Map<number, { resolve: (value: any) => void, reject: (reason: Error) => void }>} */ #open = new Map();
   #next = 0;
+  /** The light that was handed to the worker, by the name of its lens, the lens used last at the end. @type {Map<string, Set<string>>} */
+  #lenses = new Map();
 
   constructor() {
     this.#worker = new Worker(new URL("engine-worker.js", import.meta.url), { type: "module" });
@@ -146,6 +166,24 @@ class Bench {
       this.#open.set(id, { resolve, reject });
       this.#worker.postMessage({ id, task, content }, transfer);
     });
+  }
+
+  /**
+   * Hands light to the worker, unless it has it. Light behind lenses that were not used for long is forgotten.
+   * @param {string} lens @param {LightOf} of @param {() => Promise<ArrayBuffer>} light
+   */
+  async supply(lens, of, light) {
+    const held = this.#lenses.get(lens) ?? new Set();
+    this.#lenses.delete(lens);
+    this.#lenses.set(lens, held);
+    for (const oldest of [...this.#lenses.keys()].filter((name) => name !== START).slice(0, -HELD_LENSES)) {
+      this.#lenses.delete(oldest);
+      await this.ask("forget", { lens: oldest });
+    }
+    const key = JSON.stringify(of);
+    if (held.has(key)) return;
+    await this.ask("put", { lens, kind: typeof of === "string" ? of : "scene", bytes: await light() });
+    held.add(key);
   }
 
   stop() {
@@ -193,21 +231,31 @@ export class Engine {
   #latest_picture = new Latest();
   #latest_scores = new Latest();
   /** @type {Map<string, Uint8ClampedArray>} */ #references = new Map();
+  /** Workers that gather light: for pictures, and statistics, which take longer. @type {Map<string, Promise<Bench>>} */
+  #gatherers = new Map();
+  /** @type {() => Promise<Bench>} */ #start_worker;
+  /** @type {Lights} */ #lights;
+  /** The file of the statistics, if it came with the page. @type {string | null} */ #statistics;
 
   /**
-   * @param {Bench} pictures @param {Bench} figures
-   * @param {{ scenes: Scene[], setups: Setup[], catalogue: any }} about
+   * @param {Bench} pictures @param {Bench} figures @param {() => Promise<Bench>} start_worker
+   * @param {{ scenes: Scene[], setups: Setup[], statistics: string | null, catalogue: any }} about
    */
-  constructor(pictures, figures, about) {
+  constructor(pictures, figures, start_worker, about) {
     this.#pictures = pictures;
     this.#figures = figures;
+    this.#start_worker = start_worker;
+    this.#lights = new Lights(about.setups[0].camera, async (of, design) => (await (await this.#gatherer(of)).ask("light", { of, design })).bytes);
+    this.#statistics = about.statistics;
     /** The scenes, first the one that is ready first. @type {Scene[]} */
     this.scenes = about.scenes;
-    /** Lenses and pixel geometries that the assets have light for. @type {Setup[]} */
+    /** The camera whose light came with the page. @type {Setup[]} */
     this.setups = about.setups;
     /**
-     * Built-in mosaics with their other names, tiles and default filters, and the built-in filters by name.
-     * @type {{ cfas: { name: string, aliases?: string[], tile: string[], filters: Record<string, Filter> }[], filters: string[], cameras: Design[] }}
+     * Built-in mosaics with their other names, tiles and default filters, the built-in filters by name, the built-in cameras, the least and
+     * the largest value of each key, and the smallest relevant difference of each score.
+     * @type {{ cfas: { name: string, aliases?: string[], tile: string[], filters: Record<string, Filter> }[], filters: string[], cameras: Design[],
+     *   ranges: Record<string, [number, number]>, relevances: Record<string, { absolute?: number, relative?: number }> }}
      */
     this.catalogue = about.catalogue;
   }
@@ -220,10 +268,49 @@ export class Engine {
   static async start(assets_url) {
     if (typeof WebAssembly !== "object") throw new Error("this browser does not allow WebAssembly");
     const base = String(new URL(assets_url, document.baseURI));
-    const pictures = new Bench();
-    const figures = new Bench();
-    const [about] = await Promise.all([pictures.ask("start", { base }), figures.ask("start", { base })]);
-    return new Engine(pictures, figures, about);
+    // The module is compiled once, for all workers.
+    const compiled = fetched(new URL("studio.wasm.deflate", base)).then(async ({ body }) =>
+      WebAssembly.compile(await new Response(body?.pipeThrough(new DecompressionStream("deflate-raw"))).arrayBuffer()));
+    const manifest = await (await fetched(new URL("manifest.json", base))).json();
+    const start_worker = async () => {
+      const bench = new Bench();
+      await bench.ask("start", { base, manifest, module: await compiled });
+      return bench;
+    };
+    const [pictures, figures] = await Promise.all([start_worker(), start_worker()]);
+    const catalogue = (await figures.ask("catalogue", {})).said;
+    return new Engine(pictures, figures, start_worker, { ...manifest, catalogue });
+  }
+
+  /** The worker that gathers some light, started when it is first needed. @param {LightOf} of @returns {Promise<Bench>} */
+  #gatherer(of) {
+    const kind = of === "statistics" ? "statistics" : "pictures";
+    const started = this.#gatherers.get(kind) ?? this.#start_worker();
+    this.#gatherers.set(kind, started);
+    return started;
+  }
+
+  /** Whether some light came with the page. @param {Design} design @param {LightOf} of */
+  #came(design, of) {
+    const file = typeof of === "object" ? this.scenes.find((s) => s.id === of.scene)?.file : of === "statistics" ? this.#statistics : true;
+    return this.#lights.lens(design) === START && Boolean(file);
+  }
+
+  /**
+   * Gathers the light behind the lens of a design, which takes seconds once for each lens; `undefined` when it need not be waited for.
+   * @param {Design} design @param {LightOf[]} all @returns {Promise<void> | undefined}
+   */
+  light(design, all) {
+    const missing = all.filter((of) => !this.#came(design, of) && !this.#lights.has(design, of));
+    if (missing.length === 0) return undefined;
+    return Promise.all(missing.map((of) => this.#lights.get(design, of))).then(() => {});
+  }
+
+  /** Hands light to a worker, and returns the name of its lens. @param {Bench} bench @param {Design} design @param {LightOf[]} all */
+  async #supply(bench, design, all) {
+    const lens = this.#lights.lens(design);
+    for (const of of all) if (!this.#came(design, of)) await bench.supply(lens, of, () => this.#lights.get(design, of));
+    return lens;
   }
 
   /**
@@ -236,13 +323,15 @@ export class Engine {
   draw({ design, scene, luminance, crop, measure = false, noise = true, seed = 0 }) {
     return this.#latest_picture.run(async () => {
       const begun = performance.now();
-      const key = JSON.stringify([scene, crop ?? null]);
+      const lens = await this.#supply(this.#pictures, design, ["training", { scene }]);
+      const key = JSON.stringify([scene, crop ?? null, lens]);
       const has_reference = this.#references.has(key);
-      const request = { design, scene, luminance_cd_m2: luminance, crop, measure, noise, seed, reference: !has_reference };
+      const request = { design, lens, scene, luminance_cd_m2: luminance, crop, measure, noise, seed, reference: !has_reference };
       const { said, bytes } = await this.#pictures.ask("draw", request);
       const pixels = 4 * said.width * said.height;
       const rgba = new Uint8ClampedArray(bytes, 0, pixels);
       if (!has_reference) this.#references.set(key, new Uint8ClampedArray(bytes.slice(pixels, 2 * pixels)));
+      for (const oldest of [...this.#references.keys()].slice(0, -KEPT_REFERENCES)) this.#references.delete(oldest);
       const map_at = has_reference ? pixels : 2 * pixels;
       const difference = measure ? new Float32Array(bytes.slice(map_at, map_at + pixels)) : null;
       const reference = /** @type {Uint8ClampedArray} */ (this.#references.get(key));
@@ -258,21 +347,26 @@ export class Engine {
    */
   async add_photograph(name, { width, height, data }) {
     const id = `photograph ${this.scenes.length + 1}`;
-    await this.#pictures.ask("photograph", { id, width, height, rgba: data });
+    await (await this.#gatherer({ scene: id })).ask("photograph", { id, width, height, rgba: data });
     /** @type {Scene} */
-    const scene = { id, name, set: "own", width, height };
+    const scene = { id, name, set: "own" };
     this.scenes.push(scene);
     return scene;
   }
 
   /**
-   * Figures of a design without a picture. Resolves to null when a newer call has taken its place.
-   * @param {Design} design @param {number | number[]} luminance cd/m² @param {{ derivatives?: boolean }} [wanted]
+   * Figures of a design without a picture; without a luminance, those of the array alone. Resolves to null when a newer call has taken its place.
+   * @param {Design} design @param {number | number[]} luminance cd/m²
+   * @param {{ derivatives?: boolean, family?: Family }} [wanted] Warnings name filters that are none of the `family`.
    * @returns {Promise<Scores | null>}
    */
-  scores(design, luminance, { derivatives = false } = {}) {
+  scores(design, luminance, { derivatives = false, family } = {}) {
     const luminances_cd_m2 = [luminance].flat();
-    return this.#latest_scores.run(async () => (await this.#figures.ask("scores", { design, luminances_cd_m2, derivatives })).said);
+    return this.#latest_scores.run(async () => {
+      // The figures of the array alone need no statistics.
+      const lens = await this.#supply(this.#figures, design, luminances_cd_m2.length > 0 ? ["statistics"] : []);
+      return (await this.#figures.ask("scores", { design, lens, luminances_cd_m2, derivatives, family })).said;
+    });
   }
 
   /** @param {Design} design @returns {Promise<Curves>} */
@@ -285,11 +379,12 @@ export class Engine {
    * changed are any smooth curves (`free`), pigments, or dichroic bands. Calls `on_step` after each step; ends when no step makes it better, or with the best so
    * far when `signal` is aborted.
    * @param {Design} design @param {Locks} locks @param {number[]} luminances cd/m²
-   * @param {(step: Step) => void} on_step @param {AbortSignal} [signal] @param {"free" | "pigments" | "dichroic"} [family]
+   * @param {(step: Step) => void} on_step @param {AbortSignal} [signal] @param {Family} [family]
    * @returns {Promise<Step>}
    */
   async improve(design, locks, luminances, on_step, signal, family = "free") {
-    const begin = { design, locks, luminances_cd_m2: luminances, family };
+    const lens = await this.#supply(this.#figures, design, ["statistics"]);
+    const begin = { design, lens, locks, luminances_cd_m2: luminances, family };
     let { said: step } = await this.#figures.ask("improve", begin);
     on_step(step);
     while (!step.is_done && !signal?.aborted) {
@@ -313,5 +408,6 @@ export class Engine {
   stop() {
     this.#pictures.stop();
     this.#figures.stop();
+    for (const started of this.#gatherers.values()) started.then((bench) => bench.stop(), () => {});
   }
 }

@@ -6,6 +6,9 @@ import { announce, byId, make } from "./dom.js";
 /** @typedef {import("./engine.js").Engine} Engine */
 /** @typedef {import("./engine.js").Step} Step */
 
+/** The family of which filters should be. @returns {import("./engine.js").Family} */
+export const familyOf = () => /** @type {any} */ (byId("family", HTMLSelectElement).value);
+
 /**
  * Sets up the panel. `luminance` is the light shown, `own` makes the design of a step one of the page.
  * @param {Store} store @param {Engine} engine @param {() => number} luminance @param {(design: import("./engine.js").Design) => import("./design.js").Camera} own
@@ -14,7 +17,7 @@ import { announce, byId, make } from "./dom.js";
 export function setUpImprove(store, engine, luminance, own, fail) {
   const place = byId("improve", HTMLDivElement);
   const light = make("select", {}, make("option", { value: "here" }, "at the light shown"), make("option", { value: "range" }, "from 1 to 100 cd/m²"));
-  const family = make("select", {}, make("option", { value: "free" }, "any smooth curves"), make("option", { value: "pigments" }, "pigments"), make("option", { value: "dichroic" }, "dichroic bands"));
+  const family = make("select", { id: "family" }, make("option", { value: "free" }, "any smooth curves"), make("option", { value: "pigments" }, "pigments"), make("option", { value: "dichroic" }, "dichroic bands"));
   const keepMosaic = make("input", { type: "checkbox" });
   const button = make("button", { type: "button", class: "primary", "data-improve": "" }, "Improve");
   const discard = make("button", { type: "button", hidden: true }, "Discard");
@@ -71,7 +74,7 @@ export function setUpImprove(store, engine, luminance, own, fail) {
         if (step.cost < step.own_cost) store.change(own(step.design), "the improvement", key);
         isOwn = false;
         state.textContent = `${words(step, expected)}.`;
-      }, signal, /** @type {"free" | "pigments" | "dichroic"} */ (family.value));
+      }, signal, familyOf());
       const isChanged = store.camera !== begun && store.steps[store.at].what === "the improvement";
       if (isChanged) result = store.at;
       const told = `${words(last, expected)}. ${!isChanged ? "Nothing was changed" : last.is_done ? "No step makes it better" : "Stopped and kept"}.`;

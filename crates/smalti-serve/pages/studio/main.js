@@ -5,11 +5,12 @@ import { withValue } from "./design.js";
 import { Engine } from "./engine.js";
 import { curvesCsv, fileName, save } from "./files.js";
 import { setUpFilters } from "./filters.js";
-import { setUpImprove } from "./improve.js";
+import { familyOf, setUpImprove } from "./improve.js";
 import { setUpMosaic } from "./mosaic.js";
+import { isPhotograph, readPhotograph } from "./photographs.js";
 import { setUpPicture } from "./picture.js";
 import { setUpScores } from "./scores.js";
-import { fitted, setUpSensor } from "./sensor.js";
+import { fitted, lensText, setUpSensor } from "./sensor.js";
 import { fragmentOf, sharedIn } from "./share.js";
 import { Store } from "./store.js";
 import { setUpTheme } from "./theme.js";
@@ -91,11 +92,12 @@ async function start() {
 
   const work = { again: () => {} };
   const picture = setUpPicture(() => work.again());
-  const scores = setUpScores();
+  const scores = setUpScores(engine.catalogue.relevances);
   const mosaic = setUpMosaic(store, engine.catalogue, () => colors);
   const filters = setUpFilters(store, engine.catalogue, () => curves);
   const sensor = setUpSensor(store, engine, adopt);
   const wait = byId("wait", HTMLElement);
+  const gathering = byId("gathering", HTMLElement);
   wait.textContent = "Learning the first picture…";
 
   const isPinned = () => store.pinned !== undefined && JSON.stringify(store.pinned) === JSON.stringify(store.camera);
@@ -104,7 +106,7 @@ async function start() {
   const caption = (/** @type {Picture} */ p) => `${store.camera.name} · exposed for ${Number(p.exposure_ms.toPrecision(3))} ms · drawn in ${Math.round(drawnMs)} ms`;
   /** Whether the message shown is about a design that could not be drawn. */
   let hasFailed = false;
-  const compute = setUpWork(engine, () => ({ camera: store.camera, pinned: store.pinned, scene: scene.value, luminance: luminance() }), picture.needsPin, {
+  const compute = setUpWork(engine, () => ({ camera: store.camera, pinned: store.pinned, scene: scene.value, luminance: luminance(), family: familyOf() }), picture.needsPin, {
     picture(drawn) {
       wait.hidden = true;
       if (hasFailed) tell("");
@@ -134,6 +136,12 @@ async function start() {
       showScores();
     },
     overLight: (known, before) => scores.showOverLight(known, before, luminance()),
+    waits(design, isForPicture) {
+      const text = design && `Computing the light for ${lensText(design)}…`;
+      if (!isForPicture) return scores.waits(text ? "Computing statistics of the light…" : "");
+      if (gathering.textContent !== (text ?? "")) gathering.textContent = text ?? "";
+      gathering.hidden = !text;
+    },
     done() {
       // A change that waits for the next frame is newer than what is done.
       if (isWaiting) return;
@@ -144,6 +152,7 @@ async function start() {
     },
     failed(error) {
       hasFailed = true;
+      gathering.hidden = true;
       tell(`${message(error)}.`, "trouble");
     },
   });
@@ -230,6 +239,7 @@ async function start() {
   }
   /** @param {File} file */
   async function open(file) {
+    if (isPhotograph(file)) return addPhotograph(file);
     if (file.size > 4_000_000) return tell(`${file.name} is larger than a camera file or a table of a filter.`, "trouble");
     const text = await file.text();
     if (/\.(csv|txt)$/i.test(file.name)) return filters.take(file.name, text);
@@ -239,7 +249,30 @@ async function start() {
       tell(`${file.name}: ${message(error)}`, "trouble");
     }
   }
+  /** @param {File} file */
+  async function addPhotograph(file) {
+    try {
+      const name = file.name.replace(/\.[^.]*$/, "") || "Photograph";
+      const pixels = await readPhotograph(file);
+      const { id } = await engine.add_photograph(name, pixels);
+      const group = scene.querySelector('optgroup[label="Your photographs"]') ?? make("optgroup", { label: "Your photographs" });
+      group.append(make("option", { value: id }, name));
+      scene.append(group);
+      scene.value = id;
+      work.again();
+      tell(`${name} is a scene of ${pixels.width} × ${pixels.height} pixels now, in daylight. Its spectra are estimated from its colours: smooth reflectances (Jakob and Hanika 2019). It stays in this browser.`);
+    } catch (error) {
+      tell(`${file.name}: ${message(error)}.`, "trouble");
+    }
+  }
   const chooser = byId("file", HTMLInputElement);
+  const photo = byId("photo", HTMLInputElement);
+  byId("add-photo", HTMLButtonElement).addEventListener("click", () => photo.click());
+  photo.addEventListener("change", () => {
+    const [file] = photo.files ?? [];
+    if (file) addPhotograph(file);
+    photo.value = "";
+  });
   byId("open-file", HTMLButtonElement).addEventListener("click", () => chooser.click());
   chooser.addEventListener("change", () => {
     const [file] = chooser.files ?? [];
@@ -275,7 +308,7 @@ async function start() {
     showLight();
     work.again();
   });
-  scene.addEventListener("change", () => work.again());
+  for (const select of [scene, byId("family", HTMLSelectElement)]) select.addEventListener("change", () => work.again());
   showLight();
   show();
   mosaic();

@@ -1,5 +1,5 @@
 // @ts-check
-// The scores: each with what the change from the pinned design did, and expected figures over light.
+// The scores: each with what the change from the pinned design did, also as a bar, and expected figures over light.
 import { byId, draw, make } from "./dom.js";
 
 /** @typedef {import("./engine.js").Picture} Picture */
@@ -7,22 +7,32 @@ import { byId, draw, make } from "./dom.js";
 /** What is known of a design. @typedef {{ picture?: Picture, figures?: Scores }} Known */
 
 /**
- * A score: where it is, how it is written, and which direction is better.
- * @typedef {{ label: string, unit: string, title: string, better: 1 | -1, digits: number, get: (known: Known) => number | null | undefined }} Score
+ * A score: where it is, how it is written, which direction is better, and its name in the catalogue of metrics.
+ * @typedef {{ label: string, metric: string, unit: string, title: string, better: 1 | -1, digits: number, get: (known: Known) => number | null | undefined }} Score
  */
 /** @type {Score[]} */
 const SCORES = [
-  { label: "CPSNR", unit: "dB", title: "Peak signal-to-noise ratio of the picture against the reference", better: 1, digits: 2, get: (k) => k.picture?.scores?.cpsnr_db },
-  { label: "ΔE2000", unit: "", title: "Mean CIEDE2000 over the pixels of the picture", better: -1, digits: 2, get: (k) => k.picture?.scores?.pixel_delta_e_2000_mean },
-  { label: "ΔE2000, 95 %", unit: "", title: "CIEDE2000 that 95 % of the pixels do not exceed", better: -1, digits: 2, get: (k) => k.picture?.scores?.pixel_delta_e_2000_p95 },
-  { label: "S-CIELAB", unit: "", title: "Mean visible difference, filtered as the eye does", better: -1, digits: 2, get: (k) => k.picture?.scores?.scielab_mean },
-  { label: "Saturated", unit: "%", title: "Samples at the end of the range", better: -1, digits: 2, get: (k) => k.picture?.saturated_percent },
-  { label: "Photon efficiency", unit: "%", title: "Share of the light on the pixels that becomes electrons", better: 1, digits: 1, get: (k) => scaled(k.figures?.array.photon_efficiency, 100) },
-  { label: "Noise gain", unit: "×", title: "Noise of the luminance that the colour transform makes from noise of the channels", better: -1, digits: 2, get: (k) => k.figures?.array.luminance_noise_gain },
-  { label: "Vora value", unit: "", title: "How well the channels span the space of the observer, 0 to 1", better: 1, digits: 3, get: (k) => k.figures?.array.vora_value },
-  { label: "SMI", unit: "", title: "Sensitivity metamerism index, ISO 17321-1; 100 is an observer", better: 1, digits: 1, get: (k) => k.figures?.array.sensitivity_metamerism_index },
-  { label: "Condition", unit: "", title: "Condition number of the channels; a large one amplifies noise", better: -1, digits: 2, get: (k) => k.figures?.array.condition_number },
+  { label: "CPSNR", metric: "cpsnr_db", unit: "dB", title: "Peak signal-to-noise ratio of the picture against the reference", better: 1, digits: 2, get: (k) => k.picture?.scores?.cpsnr_db },
+  { label: "ΔE2000", metric: "pixel_delta_e_2000_mean", unit: "", title: "Mean CIEDE2000 over the pixels of the picture", better: -1, digits: 2, get: (k) => k.picture?.scores?.pixel_delta_e_2000_mean },
+  { label: "ΔE2000, 95 %", metric: "pixel_delta_e_2000_p95", unit: "", title: "CIEDE2000 that 95 % of the pixels do not exceed", better: -1, digits: 2, get: (k) => k.picture?.scores?.pixel_delta_e_2000_p95 },
+  { label: "S-CIELAB", metric: "scielab_mean", unit: "", title: "Mean visible difference, filtered as the eye does", better: -1, digits: 2, get: (k) => k.picture?.scores?.scielab_mean },
+  {
+    label: "MTF50 4:1", metric: "mtf50_low_contrast_cy_per_px", unit: "cy/px", title: "Spatial frequency at which the response of an edge of contrast 4:1 falls to one half, without noise", better: 1, digits: 3,
+    get: (k) => k.picture?.scores?.targets.mtf50_low_contrast_cy_per_px,
+  },
+  {
+    label: "Noise", metric: "luminance_noise_percent", unit: "%", title: "Luminance noise on the grey patches of the ColorChecker, mean over four captures", better: -1, digits: 2,
+    get: (k) => k.picture?.scores?.targets.luminance_noise_percent,
+  },
+  { label: "Saturated", metric: "saturated_percent", unit: "%", title: "Samples at the end of the range", better: -1, digits: 2, get: (k) => k.picture?.saturated_percent },
+  { label: "Photon efficiency", metric: "photon_efficiency", unit: "%", title: "Share of the light on the pixels that becomes electrons", better: 1, digits: 1, get: (k) => scaled(k.figures?.array.photon_efficiency, 100) },
+  { label: "Noise gain", metric: "luminance_noise_gain", unit: "×", title: "Noise of the luminance that the colour transform makes from noise of the channels", better: -1, digits: 2, get: (k) => k.figures?.array.luminance_noise_gain },
+  { label: "Vora value", metric: "vora_value", unit: "", title: "How well the channels span the space of the observer, 0 to 1", better: 1, digits: 3, get: (k) => k.figures?.array.vora_value },
+  { label: "SMI", metric: "sensitivity_metamerism_index", unit: "", title: "Sensitivity metamerism index, ISO 17321-1; 100 is an observer", better: 1, digits: 1, get: (k) => k.figures?.array.sensitivity_metamerism_index },
+  { label: "Condition", metric: "condition_number", unit: "", title: "Condition number of the channels; a large one amplifies noise", better: -1, digits: 2, get: (k) => k.figures?.array.condition_number },
 ];
+/** Bars end at this many of the smallest relevant differences. */
+const BAR_END = 10;
 
 /** @param {number | undefined} value @param {number} by */
 const scaled = (value, by) => (value === undefined ? undefined : value * by);
@@ -45,18 +55,31 @@ function change(score, from, to) {
   return { shown: `${by > 0 ? "+" : "−"}${amount} ${isBetter ? "better" : "worse"}`, said: `${amount} ${isBetter ? "better" : "worse"} than pinned`, kind: isBetter ? "better" : "worse" };
 }
 
+/**
+ * The length of the bar of a change, -1 to 1, positive for the better: the share of `BAR_END` of the smallest relevant differences.
+ * @param {Score} score @param {number} from @param {number} to @param {{ absolute?: number, relative?: number } | undefined} relevance
+ */
+function bar(score, from, to, relevance) {
+  const least = relevance?.absolute ?? (relevance?.relative ?? 0.05) * Math.min(Math.abs(from), Math.abs(to));
+  const by = to === from ? 0 : (to - from) * score.better / Math.max(least, Number.MIN_VALUE) / BAR_END;
+  return Math.min(Math.max(by, -1), 1);
+}
+
 /** A message as a sentence. @param {string} message */
 const sentence = (message) => `${message[0].toUpperCase()}${message.slice(1).replace(/\.$/, "")}.`;
 
-export function setUpScores() {
+/** @param {import("./engine.js").Engine["catalogue"]["relevances"]} relevances */
+export function setUpScores(relevances) {
   const tiles = byId("tiles", HTMLElement);
   const metric = byId("metric", HTMLSelectElement);
   const place = byId("light-curve", HTMLDivElement);
   const warnings = byId("warnings", HTMLDetailsElement);
   const parts = SCORES.map((score) => {
     const [value, delta] = [make("span", { class: "value" }, "–"), make("span", { class: "delta" })];
-    tiles.append(make("div", { class: "tile", title: score.title }, make("dt", {}, score.label), make("dd", {}, make("span", { class: "amount" }, value, make("span", { class: "unit" }, score.unit)), delta)));
-    return { score, value, delta };
+    const fill = draw("rect", { y: 0, height: 4 });
+    const gauge = draw("svg", { class: "bar-of", viewBox: "0 0 100 4", preserveAspectRatio: "none", "aria-hidden": "true" }, draw("rect", { class: "track", width: 100, height: 4 }), fill, draw("rect", { class: "zero", x: 49.5, width: 1, height: 4 }));
+    tiles.append(make("div", { class: "tile", title: score.title }, make("dt", {}, score.label), make("dd", {}, make("span", { class: "amount" }, value, make("span", { class: "unit" }, score.unit)), gauge, delta)));
+    return { score, value, delta, gauge, fill };
   });
   metric.append(...Object.entries(FIGURES).map(([value, { label }]) => make("option", { value }, label)));
 
@@ -66,10 +89,17 @@ export function setUpScores() {
   /** @type {{ own: import("./engine.js").Expected[], pin: import("./engine.js").Expected[], luminance: number }} */
   let over = { own: [], pin: [], luminance: 10 };
 
+  /** What stands in place of curves. */
+  let note = "";
+
   function showCurve() {
     const key = /** @type {Figure} */ (metric.value || "cpsnr_db");
     const all = [...over.own, ...over.pin].map((e) => e[key]).filter(Number.isFinite);
-    if (all.length === 0) return;
+    if (all.length === 0) {
+      svg.replaceChildren(draw("text", { x: width / 2, y: height / 2, "text-anchor": "middle" }, note));
+      svg.setAttribute("aria-label", note);
+      return;
+    }
     const margin = { left: 36, right: 18, top: 10, bottom: 24 };
     const [low, high] = nice(Math.min(...all), Math.max(...all));
     const [first, last] = [over.own[0].luminance_cd_m2, over.own[over.own.length - 1].luminance_cd_m2].map(Math.log10);
@@ -105,7 +135,7 @@ export function setUpScores() {
     show(own, pin) {
       /** @type {string[]} */
       const said = [];
-      for (const { score, value, delta } of parts) {
+      for (const { score, value, delta, gauge, fill } of parts) {
         const now = score.get(own);
         const before = pin && score.get(pin);
         const isKnown = typeof now === "number" && Number.isFinite(now);
@@ -113,6 +143,10 @@ export function setUpScores() {
         const difference = isKnown && typeof before === "number" && Number.isFinite(before) ? change(score, before, now) : undefined;
         delta.replaceChildren(...(difference ? [make("span", { "aria-hidden": "true" }, difference.shown), make("span", { class: "unseen" }, difference.said)] : []));
         delta.dataset.kind = difference?.kind ?? "";
+        const length = difference ? bar(score, Number(before), Number(now), relevances[score.metric]) : 0;
+        fill.setAttribute("x", String(50 + Math.min(length, 0) * 50));
+        fill.setAttribute("width", String(Math.abs(length) * 50));
+        gauge.dataset.kind = Math.abs(length) * BAR_END < 1 ? "same" : length > 0 ? "better" : "worse";
         if (isKnown && said.length < 3) said.push(`${score.label} ${text(now, score.digits)} ${score.unit}${difference && difference.kind !== "same" ? `, ${difference.said}` : ""}`);
       }
       return said.join("; ");
@@ -120,6 +154,11 @@ export function setUpScores() {
     /** @param {import("./engine.js").Expected[]} own @param {import("./engine.js").Expected[]} pin @param {number} luminance */
     showOverLight(own, pin, luminance) {
       over = { own, pin, luminance };
+      showCurve();
+    },
+    /** Says why there are no curves. @param {string} text */
+    waits(text) {
+      note = text;
       showCurve();
     },
     /** @param {import("./engine.js").Warning[]} all */

@@ -6,12 +6,13 @@
 /** @typedef {import("./engine.js").Scores} Scores */
 /** @typedef {import("./engine.js").Expected} Expected */
 /** @typedef {import("./design.js").Camera} Camera */
-/** What is shown. @typedef {{ camera: Camera, pinned: Camera | undefined, scene: string, luminance: number }} Wanted */
+/** What is shown. @typedef {{ camera: Camera, pinned: Camera | undefined, scene: string, luminance: number, family: import("./engine.js").Family }} Wanted */
 /**
- * Where results go. A picture without scores comes first, the same with scores follows.
+ * Where results go. A picture without scores comes first, the same with scores follows. `waits` says whose light is being gathered, for a picture or for figures.
  * @typedef {{
  *   picture: (picture: Picture, wanted: Wanted) => void, pinned: (picture: Picture | undefined) => void, curves: (curves: import("./engine.js").Curves) => void,
  *   figures: (own: Scores, pinned: Scores | undefined) => void, overLight: (own: Expected[], pinned: Expected[]) => void, done: () => void, failed: (error: unknown) => void,
+ *   waits: (design: Camera | undefined, isForPicture: boolean) => void,
  * }} Results
  */
 
@@ -39,6 +40,10 @@ class Last {
 /** @param {Engine} engine @param {() => Wanted} wanted @param {() => boolean} isPinSeen @param {Results} results */
 export function setUpWork(engine, wanted, isPinSeen, results) {
   let version = 0;
+  /** Ends what waits for the light of an older version. */
+  let renew = () => {};
+  /** @type {Promise<void>} */
+  let renewed = new Promise((resolve) => { renew = resolve; });
   /** @type {Last<Picture>} */ const pinPicture = new Last();
   /** @type {Last<Scores>} */ const pinFigures = new Last();
   /** Loops at work. @type {Set<string>} */
@@ -60,6 +65,19 @@ export function setUpWork(engine, wanted, isPinSeen, results) {
     busy.delete(name);
   }
 
+  /**
+   * Waits for light that must be gathered, or for a newer version.
+   * @param {Camera} design @param {import("./engine.js").LightOf[]} all @param {() => boolean} isOld
+   */
+  async function light(design, all, isOld) {
+    const gathered = engine.light(design, all);
+    if (!gathered) return;
+    const isForPicture = all[0] !== "statistics";
+    results.waits(design, isForPicture);
+    await Promise.race([gathered, renewed]);
+    if (!isOld()) results.waits(undefined, isForPicture);
+  }
+
   const pause = () => new Promise((resolve) => { setTimeout(resolve, PAUSE_MS); });
 
   /** @param {() => boolean} isOld */
@@ -67,10 +85,15 @@ export function setUpWork(engine, wanted, isPinSeen, results) {
     const now = wanted();
     const { camera, pinned, scene, luminance } = now;
     const request = { design: camera, scene, luminance };
+    await light(camera, ["training", { scene }], isOld);
+    if (isOld()) return;
+    results.waits(undefined, true);
     const first = await engine.draw(request);
     if (first) results.picture(first, now);
     const pinKey = JSON.stringify([pinned, scene, luminance]);
     const showPin = async () => {
+      if (pinned) await light(pinned, ["training", { scene }], isOld);
+      if (isOld()) return;
       const picture = pinned && await pinPicture.get(pinKey, () => engine.draw({ design: pinned, scene, luminance, measure: true }));
       if (!isOld() && picture !== null) results.pinned(picture);
     };
@@ -87,10 +110,21 @@ export function setUpWork(engine, wanted, isPinSeen, results) {
 
   /** @param {() => boolean} isOld */
   async function figures(isOld) {
-    const { camera, pinned, luminance } = wanted();
+    const { camera, pinned, luminance, family } = wanted();
     results.curves(await engine.curves(camera));
     if (isOld()) return;
-    const own = await engine.scores(camera, [luminance, ...LUMINANCES]);
+    const all = engine.light(camera, ["statistics"]) || (pinned && engine.light(pinned, ["statistics"]));
+    if (all) {
+      // The figures of the array alone need no light.
+      const array = await engine.scores(camera, [], { family });
+      if (!array || isOld()) return;
+      results.figures(array, pinned && await engine.scores(pinned, []) || undefined);
+      results.overLight([], []);
+      // After the light of the picture.
+      for (const design of [camera, pinned]) if (design && !isOld()) await light(design, ["statistics"], isOld);
+      if (isOld()) return;
+    }
+    const own = await engine.scores(camera, [luminance, ...LUMINANCES], { family });
     if (!own || isOld()) return;
     const before = pinned && await pinFigures.get(JSON.stringify([pinned, luminance]), () => engine.scores(pinned, [luminance, ...LUMINANCES]));
     results.figures(own, before ?? undefined);
@@ -100,6 +134,8 @@ export function setUpWork(engine, wanted, isPinSeen, results) {
   /** Computes what is shown anew. */
   return () => {
     version += 1;
+    renew();
+    renewed = new Promise((resolve) => { renew = resolve; });
     loop("pictures", pictures);
     loop("figures", figures);
   };

@@ -44,7 +44,7 @@ macro_rules! embedded {
     };
 }
 
-static EMBEDDED: [(&str, &[u8]); 20] = embedded![
+static EMBEDDED: [(&str, &[u8]); 22] = embedded![
     "design.js",
     "dom.js",
     "engine-worker.js",
@@ -53,9 +53,11 @@ static EMBEDDED: [(&str, &[u8]); 20] = embedded![
     "filters.js",
     "improve.js",
     "index.html",
+    "lights.js",
     "main.js",
     "mosaic.js",
     "parts.css",
+    "photographs.js",
     "picture.js",
     "scores.js",
     "sensor.js",

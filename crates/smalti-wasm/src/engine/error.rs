@@ -4,6 +4,7 @@ use std::fmt;
 
 use smalti::camera::CameraError;
 use smalti::design::DesignError;
+use smalti_io::studio::StudioAssetError;
 use smalti_io::{Diagnostic, IoError};
 
 /// Why the engine has no answer.
@@ -35,6 +36,8 @@ pub enum EngineError {
     Design(DesignError),
     /// A file of the assets is damaged.
     File(IoError),
+    /// The light behind a lens cannot be gathered.
+    Light(StudioAssetError),
 }
 
 impl fmt::Display for EngineError {
@@ -52,6 +55,7 @@ impl fmt::Display for EngineError {
             Self::Camera(error) => error.fmt(f),
             Self::Design(error) => error.fmt(f),
             Self::File(error) => error.fmt(f),
+            Self::Light(error) => error.fmt(f),
         }
     }
 }
@@ -68,4 +72,4 @@ macro_rules! from {
     };
 }
 
-from!(serde_json::Error => Request, Box<Diagnostic> => Text, CameraError => Camera, DesignError => Design, IoError => File);
+from!(serde_json::Error => Request, Box<Diagnostic> => Text, CameraError => Camera, DesignError => Design, IoError => File, StudioAssetError => Light);

@@ -61,7 +61,7 @@ pub(super) struct Scores {
     array: ArrayFigures,
     wavelengths_nm: Vec<f64>,
     derivatives: Option<Derivatives>,
-    warnings: Vec<Warning>,
+    pub(super) warnings: Vec<Warning>,
 }
 
 /// The conditions of a camera at some luminances.
@@ -71,10 +71,29 @@ pub(super) fn conditions(camera: &Camera, luminances_cd_m2: &[f64]) -> Vec<Scree
 
 pub(super) fn scores(
     camera: &Camera,
-    statistics: &LightStatistics,
+    statistics: Option<&LightStatistics>,
     observer: &ColorimetricObserver,
     wanted: Wanted<'_>,
 ) -> Result<Scores, EngineError> {
+    let (expected, derivatives) = match statistics {
+        None => (Vec::new(), None),
+        Some(statistics) => of_light(camera, statistics, wanted)?,
+    };
+    Ok(Scores {
+        expected,
+        array: camera.array_figures(observer)?,
+        wavelengths_nm: camera.grid().wavelengths_nm().collect(),
+        derivatives,
+        warnings: warnings::of_camera(camera)?,
+    })
+}
+
+/// What is expected of a camera, and the derivatives if they are asked for.
+fn of_light(
+    camera: &Camera,
+    statistics: &LightStatistics,
+    wanted: Wanted<'_>,
+) -> Result<(Vec<Expected>, Option<Derivatives>), EngineError> {
     let Wanted { luminances_cd_m2, derivatives } = wanted;
     let screen = Screen::new(camera, statistics, &conditions(camera, luminances_cd_m2))?;
     let cfa = &camera.sensor.cfa;
@@ -98,13 +117,7 @@ pub(super) fn scores(
         cpsnr_db: of(FigureWeights { cpsnr_db: 1.0, ..none }),
         delta_e_2000: of(FigureWeights { delta_e_2000: 1.0, ..none }),
     });
-    Ok(Scores {
-        expected: expected(&found, luminances_cd_m2),
-        array: camera.array_figures(observer)?,
-        wavelengths_nm: camera.grid().wavelengths_nm().collect(),
-        derivatives,
-        warnings: warnings::of_camera(camera)?,
-    })
+    Ok((expected(&found, luminances_cd_m2), derivatives))
 }
 
 #[derive(Debug, Serialize)]

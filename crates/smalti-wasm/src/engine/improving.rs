@@ -5,17 +5,13 @@ use smalti::camera::description::{CfaDescription, PatternDescription};
 use smalti::camera::{Camera, CameraDescription};
 use smalti::design::light::LightStatistics;
 use smalti::design::screen::Screen;
-use smalti::design::search::{
-    Dichroic, FilterSpace, FreeCurves, Improvement, Locks, Objective, Over, Pigments,
-};
+use smalti::design::search::{Improvement, Locks, Objective, Over};
 use smalti::sensor::Filter;
 
 use super::EngineError;
 use super::figures::{self, Expected};
-use super::request::{Family, ImproveRequest};
+use super::request::ImproveRequest;
 
-/// Knots of free curves: one in 20 nm.
-const KNOTS: usize = 16;
 /// Weight of a unit of CIEDE2000 beside a decibel, as in the built-in designs.
 const DELTA_E_2000: f64 = 2.0;
 
@@ -64,17 +60,17 @@ impl Improving {
             }
             cells[row * mosaic.cols() + col] = true;
         }
-        let space = match request.family {
-            Family::Free => FilterSpace::Free(FreeCurves { knots: KNOTS, ..FreeCurves::default() }),
-            Family::Pigments => FilterSpace::Pigments(Pigments::default()),
-            Family::Dichroic => FilterSpace::Dichroic(Dichroic::default()),
-        };
         let conditions = figures::conditions(&camera, &request.luminances_cd_m2);
         let screen = Screen::new(&camera, statistics, &conditions)?;
         let objective = Objective { delta_e_2000: DELTA_E_2000, over: Over::Worst, ..Objective::default() };
         let locks = Locks { filters: kept.clone(), cells };
-        let improvement =
-            Improvement::new(vec![screen], space.sampled(camera.grid())?, &objective, cfa, locks)?;
+        let improvement = Improvement::new(
+            vec![screen],
+            request.family.space().sampled(camera.grid())?,
+            &objective,
+            cfa,
+            locks,
+        )?;
         let luminances_cd_m2 = request.luminances_cd_m2.clone();
         Ok(Self { design, camera, luminances_cd_m2, kept, improvement })
     }

@@ -3,25 +3,24 @@
 mod error;
 mod figures;
 mod improving;
+mod lens;
 mod photograph;
 mod request;
 mod text;
 mod warnings;
 
 use std::collections::BTreeMap;
-use std::path::Path;
 
 use serde::Serialize;
 use serde_json::{Value, json};
 use smalti::camera::{Camera, CameraDescription, ColorimetricObserver};
-use smalti::design::light::LightStatistics;
-use smalti::design::live::{LiveDesign, LiveLearner, LivePicture, LivePictures, LiveScene};
+use smalti::design::live::{LiveDesign, LivePicture};
 use smalti::sensor::NoiseMode;
 use smalti::spectrum::Illuminant;
-use smalti_io::{light, studio};
 
 pub use error::EngineError;
 use improving::Improving;
+use lens::{Lens, Sources};
 use request::{DrawRequest, Request};
 
 /// Bytes of the longest request.
@@ -75,49 +74,38 @@ struct Drawn {
 /// Draws, scores and improves designs.
 #[derive(Default)]
 pub struct Engine {
-    learner: Option<LiveLearner>,
-    /// Scenes whose light is not prepared yet.
-    waiting: BTreeMap<String, LiveScene>,
-    scenes: BTreeMap<String, LivePictures>,
-    statistics: Option<LightStatistics>,
+    /// By the names that the page gives them.
+    lenses: BTreeMap<String, Lens>,
+    sources: Sources,
     observer: Option<ColorimetricObserver>,
     learned: Option<Learned>,
     drawn: Option<Drawn>,
     improving: Option<Improving>,
+    makeable: warnings::Makeable,
 }
 
 impl Engine {
-    /// Takes a file of the studio, inflated.
+    /// Takes a file of the studio, inflated, for designs with a lens: with one lens and pixel geometry, to which the page gives a name.
     ///
     /// # Errors
     /// When it is damaged or of another kind.
-    pub fn load(&mut self, kind: StudioFile, bytes: &[u8]) -> Result<(), EngineError> {
-        match kind {
-            StudioFile::Training => {
-                let training = studio::training_from_bytes(bytes, Path::new("training"))?;
-                self.learner = Some(LiveLearner::new(training)?);
-            }
-            StudioFile::Scene => {
-                let scene = studio::scene_from_bytes(bytes, Path::new("scene"))?;
-                self.scenes.remove(&scene.name);
-                self.waiting.insert(scene.name.clone(), scene);
-            }
-            StudioFile::Statistics => {
-                self.statistics = Some(light::from_bytes(bytes, Path::new("statistics"))?);
-            }
-        }
-        Ok(())
+    pub fn load(&mut self, lens: &str, kind: StudioFile, bytes: &[u8]) -> Result<(), EngineError> {
+        (self.learned, self.drawn) = (None, None);
+        self.lenses.entry(lens.to_owned()).or_default().load(kind, bytes)
     }
 
-    /// Takes a photograph, RGBA in sRGB, as a scene.
+    /// Takes a file from which light is gathered.
+    pub fn source(&mut self, name: &str, bytes: Vec<u8>) {
+        self.sources.files.insert(name.to_owned(), bytes);
+    }
+
+    /// Takes a photograph, RGBA in sRGB, from which the light of a scene is gathered.
     ///
     /// # Errors
-    /// When its size is not that of its bytes or out of range, or the light of the training scene is missing.
+    /// When its size is not that of its bytes or out of range, or it is black.
     pub fn photograph(&mut self, id: &str, size: [usize; 2], rgba: &[u8]) -> Result<(), EngineError> {
-        let setup = self.learner()?.setup();
-        let scene = photograph::scene(id, size, rgba, setup)?;
-        self.scenes.remove(id);
-        self.waiting.insert(id.to_owned(), scene);
+        let photograph = photograph::Photograph::new(size, rgba)?;
+        self.sources.photographs.insert(id.to_owned(), photograph);
         Ok(())
     }
 
@@ -141,11 +129,20 @@ impl Engine {
                     luminances_cd_m2: &request.luminances_cd_m2,
                     derivatives: request.derivatives,
                 };
-                Answer::of(&figures::scores(&camera, self.statistics()?, &observer, wanted)?)
+                // The figures of the array alone need no statistics.
+                let statistics = match request.luminances_cd_m2.is_empty() {
+                    true => None,
+                    false => Some(self.lens(&request.lens)?.statistics()?),
+                };
+                let mut scores = figures::scores(&camera, statistics, &observer, wanted)?;
+                if let Some(family) = request.family {
+                    scores.warnings.extend(self.makeable.warnings(&camera, family)?);
+                }
+                Answer::of(&scores)
             }
             Request::Curves { design } => Answer::of(&figures::curves(&camera(design)?, &Illuminant::D65)?),
             Request::Improve(request) => {
-                let statistics = self.statistics()?;
+                let statistics = self.lens(&request.lens)?.statistics()?;
                 let design = text::description(request.design.clone())?;
                 let improving = Improving::new(design, statistics, &request)?;
                 let step = improving.said()?;
@@ -157,17 +154,25 @@ impl Engine {
                 improving.step();
                 Answer::of(&improving.said()?)
             }
+            Request::Light(request) => {
+                let bytes = self.sources.light(text::description(request.design)?, &request.of)?;
+                Ok(Answer { said: json!({}), bytes })
+            }
+            Request::Forget { lens } => {
+                self.lenses.remove(&lens);
+                Answer::of(&json!({}))
+            }
             Request::CameraToml { design } => Answer::of(&json!({"toml": text::toml(design)?})),
             Request::Parse { text } => Answer::of(&json!({"design": text::parse(&text)?})),
         }
     }
 
-    fn learner(&mut self) -> Result<&mut LiveLearner, EngineError> {
-        self.learner.as_mut().ok_or(EngineError::Missing("the light of the training scene"))
+    fn lens(&self, name: &str) -> Result<&Lens, EngineError> {
+        self.lenses.get(name).ok_or(EngineError::Missing("the light of this lens"))
     }
 
-    fn statistics(&self) -> Result<&LightStatistics, EngineError> {
-        self.statistics.as_ref().ok_or(EngineError::Missing("the statistics of light"))
+    fn lens_mut(&mut self, name: &str) -> Result<&mut Lens, EngineError> {
+        self.lenses.get_mut(name).ok_or(EngineError::Missing("the light of this lens"))
     }
 
     fn observer(&mut self, camera: &Camera) -> Result<ColorimetricObserver, EngineError> {
@@ -185,7 +190,8 @@ impl Engine {
         let key = request.design_key();
         if self.learned.as_ref().is_none_or(|known| known.key != key) {
             let description = text::description(request.design.clone())?;
-            let design = self.learner()?.learn(&description, request.luminance_cd_m2, request.seed)?;
+            let learner = self.lens_mut(&request.lens)?.learner()?;
+            let design = learner.learn(&description, request.luminance_cd_m2, request.seed)?;
             self.learned = Some(Learned { key, design });
         }
         Answer::of(&json!({}))
@@ -195,16 +201,15 @@ impl Engine {
     fn draw(&mut self, request: &DrawRequest) -> Result<Answer, EngineError> {
         self.learn(request)?;
         let learned = self.learned.as_ref().ok_or(EngineError::Missing("a pipeline"))?;
-        let learner = self.learner.as_ref().ok_or(EngineError::Missing("the light of the training scene"))?;
-        if let Some(waiting) = self.waiting.remove(&request.scene) {
-            let setup = learner.setup();
-            let pictures = LivePictures::new(waiting, &setup.illuminant, &setup.camera()?)?;
-            self.scenes.insert(request.scene.clone(), pictures);
-        }
-        let scene =
-            self.scenes.get_mut(&request.scene).ok_or_else(|| EngineError::NoScene(request.scene.clone()))?;
+        let lens =
+            self.lenses.get_mut(&request.lens).ok_or(EngineError::Missing("the light of this lens"))?;
+        let scene = lens.pictures(&request.scene)?;
         let noise = if request.noise { NoiseMode::All } else { NoiseMode::None };
-        let picture = scene.picture(&learned.design, request.crop, noise, request.seed)?;
+        let key = request.picture_key();
+        let picture = match self.drawn.take().filter(|known| known.key == key) {
+            Some(known) => known.picture,
+            None => scene.picture(&learned.design, request.crop, noise, request.seed)?,
+        };
         let mut bytes = scene.rgba8(&picture)?;
         if request.reference {
             bytes.append(&mut scene.reference_rgba8(request.crop)?);
@@ -219,21 +224,26 @@ impl Engine {
             "saturated_percent": picture.saturated_percent,
             "warnings": found,
         });
-        self.drawn = Some(Drawn { key: request.picture_key(), picture });
+        self.drawn = Some(Drawn { key, picture });
         Ok(Answer { said, bytes })
     }
 
-    /// The scores of a picture, and CIEDE2000 at every pixel.
+    /// The scores of a picture and of the targets, and CIEDE2000 at every pixel.
     fn measure(&mut self, request: &DrawRequest) -> Result<Answer, EngineError> {
         if self.drawn.as_ref().is_none_or(|known| known.key != request.picture_key()) {
             self.draw(request)?;
         }
+        self.learn(request)?;
         let drawn = self.drawn.as_ref().ok_or(EngineError::Missing("a picture"))?;
-        let scene =
-            self.scenes.get_mut(&request.scene).ok_or_else(|| EngineError::NoScene(request.scene.clone()))?;
-        let scores = scene.scores(&drawn.picture)?;
+        let learned = self.learned.as_ref().ok_or(EngineError::Missing("a pipeline"))?;
+        let lens =
+            self.lenses.get_mut(&request.lens).ok_or(EngineError::Missing("the light of this lens"))?;
+        let scores = lens.pictures(&request.scene)?.scores(&drawn.picture)?;
+        let targets = lens.learner()?.targets(&learned.design, request.seed)?;
         let bytes = scores.delta_e_2000_map.data().iter().flat_map(|v| v.to_le_bytes()).collect();
-        Ok(Answer { said: serde_json::to_value(&scores)?, bytes })
+        let mut said = serde_json::to_value(&scores)?;
+        said["targets"] = serde_json::to_value(targets)?;
+        Ok(Answer { said, bytes })
     }
 }
 

@@ -1,4 +1,4 @@
-//! A photograph of the visitor as a scene.
+//! A photograph of the visitor as the source of a scene.
 
 use smalti::camera::{CameraError, TestScene};
 use smalti::color::jakob_hanika2019::Uplift;
@@ -19,41 +19,49 @@ const MAX_PIXELS: usize = 400_000;
 /// Spectral components of the light. Smooth reflectances need few.
 const COMPONENTS: usize = 8;
 
-/// The light of a photograph on the pixels of a setup, one pixel of the photograph on each. Its pixels, RGBA in sRGB, become smooth reflectances
-/// under the illuminant of the setup (Jakob and Hanika 2019), as for `smalti simulate` with a picture.
-pub(super) fn scene(
-    id: &str,
-    [rows, cols]: [usize; 2],
-    rgba: &[u8],
-    setup: &LiveSetup,
-) -> Result<LiveScene, EngineError> {
-    let fits = SIDES.contains(&rows) && SIDES.contains(&cols) && rows * cols <= MAX_PIXELS;
-    let (pixels, rest) = rgba.as_chunks::<4>();
-    if !fits || pixels.len() != rows * cols || !rest.is_empty() {
-        return Err(EngineError::Photograph(format!(
-            "{rows} × {cols} pixels in {} bytes; expected sides of {} to {} pixels, at most {MAX_PIXELS} pixels, four bytes each",
-            rgba.len(),
-            SIDES.start(),
-            SIDES.end()
-        )));
+/// A photograph, RGBA in sRGB.
+pub(super) struct Photograph {
+    size: [usize; 2],
+    pixels: Vec<[u8; 4]>,
+}
+
+impl Photograph {
+    pub(super) fn new(size: [usize; 2], rgba: &[u8]) -> Result<Self, EngineError> {
+        let [rows, cols] = size;
+        let fits = SIDES.contains(&rows) && SIDES.contains(&cols) && rows * cols <= MAX_PIXELS;
+        let (pixels, rest) = rgba.as_chunks::<4>();
+        if !fits || pixels.len() != rows * cols || !rest.is_empty() {
+            return Err(EngineError::Photograph(format!(
+                "{rows} × {cols} pixels in {} bytes; expected sides of {} to {} pixels, at most {MAX_PIXELS} pixels, four bytes each",
+                rgba.len(),
+                SIDES.start(),
+                SIDES.end()
+            )));
+        }
+        if pixels.iter().all(|[r, g, b, _]| [*r, *g, *b] == [0; 3]) {
+            return Err(EngineError::Photograph("every pixel is black; expected one that is not".into()));
+        }
+        Ok(Self { size, pixels: pixels.to_vec() })
     }
-    if pixels.iter().all(|[r, g, b, _]| [*r, *g, *b] == [0; 3]) {
-        return Err(EngineError::Photograph("every pixel is black; expected one that is not".into()));
+
+    /// The light of the photograph behind the lens and on the pixels of a setup, one pixel of the photograph on each. Its pixels become smooth
+    /// reflectances under the illuminant of the setup (Jakob and Hanika 2019), as for `smalti simulate` with a picture.
+    pub(super) fn light(&self, id: &str, setup: &LiveSetup) -> Result<LiveScene, EngineError> {
+        let image = linear(self.size, &self.pixels)?;
+        let uplift = Uplift::new(setup.bare.grid()?, Observer::Cie1931);
+        let cube = uplift.and_then(|u| u.uplift_image(&image));
+        let file = SpectralFile {
+            name: id.to_owned(),
+            cube: cube.map_err(|e| EngineError::Photograph(e.to_string()))?,
+            quantity: Quantity::Reflectance,
+            illuminant: None,
+            distance_m: None,
+            horizontal_fov_deg: None,
+        };
+        let setting =
+            Setting { luminance_cd_m2: 1.0, illuminant: setup.illuminant.clone(), ..Setting::default() };
+        Ok(setup.scene(&TestScene::relit(id, file.into_scene(&setting)?, 1), COMPONENTS)?)
     }
-    let image = linear([rows, cols], pixels)?;
-    let uplift = Uplift::new(setup.bare.grid()?, Observer::Cie1931);
-    let cube = uplift.and_then(|u| u.uplift_image(&image));
-    let file = SpectralFile {
-        name: id.to_owned(),
-        cube: cube.map_err(|e| EngineError::Photograph(e.to_string()))?,
-        quantity: Quantity::Reflectance,
-        illuminant: None,
-        distance_m: None,
-        horizontal_fov_deg: None,
-    };
-    let setting =
-        Setting { luminance_cd_m2: 1.0, illuminant: setup.illuminant.clone(), ..Setting::default() };
-    Ok(setup.scene(&TestScene::relit(id, file.into_scene(&setting)?, 1), COMPONENTS)?)
 }
 
 fn linear([rows, cols]: [usize; 2], pixels: &[[u8; 4]]) -> Result<Image, CameraError> {

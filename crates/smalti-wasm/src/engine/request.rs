@@ -3,6 +3,10 @@
 use serde::Deserialize;
 use serde_json::Value;
 use smalti::design::live::LiveCrop;
+use smalti::design::search::{Dichroic, FilterSpace, FreeCurves, Pigments};
+
+/// Knots of free curves: one in 20 nm.
+const KNOTS: usize = 16;
 
 /// A request: an object with one key.
 #[derive(Debug, Deserialize)]
@@ -27,6 +31,13 @@ pub(super) enum Request {
     Improve(ImproveRequest),
     /// The next step of the improvement.
     Step {},
+    /// The light behind the lens of a design, as the file that is loaded for it.
+    Light(LightRequest),
+    /// Forgets the light of a lens.
+    Forget {
+        /// The name of the lens.
+        lens: String,
+    },
     /// The camera file of a design.
     CameraToml {
         /// The camera.
@@ -43,6 +54,8 @@ pub(super) enum Request {
 #[serde(deny_unknown_fields)]
 pub(super) struct DrawRequest {
     pub(super) design: Value,
+    #[serde(default)]
+    pub(super) lens: String,
     pub(super) scene: String,
     pub(super) luminance_cd_m2: f64,
     #[serde(default)]
@@ -62,7 +75,7 @@ fn yes() -> bool {
 impl DrawRequest {
     /// What a pipeline depends on.
     pub(super) fn design_key(&self) -> String {
-        format!("{} {} {}", self.luminance_cd_m2.to_bits(), self.seed, self.design)
+        format!("{} {} {} {}", self.lens, self.luminance_cd_m2.to_bits(), self.seed, self.design)
     }
 
     /// What a picture depends on.
@@ -75,9 +88,14 @@ impl DrawRequest {
 #[serde(deny_unknown_fields)]
 pub(super) struct ScoresRequest {
     pub(super) design: Value,
+    #[serde(default)]
+    pub(super) lens: String,
     pub(super) luminances_cd_m2: Vec<f64>,
     #[serde(default)]
     pub(super) derivatives: bool,
+    /// The family of which the filters should be.
+    #[serde(default)]
+    pub(super) family: Option<Family>,
 }
 
 /// The family of the filters that are changed.
@@ -91,6 +109,26 @@ pub(super) enum Family {
     Pigments,
     /// Bands between two edges.
     Dichroic,
+}
+
+impl Family {
+    /// The filters of the family.
+    pub(super) fn space(self) -> FilterSpace {
+        match self {
+            Self::Free => FilterSpace::Free(FreeCurves { knots: KNOTS, ..FreeCurves::default() }),
+            Self::Pigments => FilterSpace::Pigments(Pigments::default()),
+            Self::Dichroic => FilterSpace::Dichroic(Dichroic::default()),
+        }
+    }
+
+    /// Its filters in words.
+    pub(super) fn words(self) -> &'static str {
+        match self {
+            Self::Free => "as a smooth curve",
+            Self::Pigments => "of pigments",
+            Self::Dichroic => "as a dichroic band",
+        }
+    }
 }
 
 /// What stays as it is.
@@ -110,8 +148,29 @@ pub(super) struct LocksRequest {
 pub(super) struct ImproveRequest {
     pub(super) design: Value,
     #[serde(default)]
+    pub(super) lens: String,
+    #[serde(default)]
     pub(super) locks: LocksRequest,
     pub(super) luminances_cd_m2: Vec<f64>,
     #[serde(default)]
     pub(super) family: Family,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct LightRequest {
+    pub(super) design: Value,
+    pub(super) of: LightOf,
+}
+
+/// What the light is of.
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum LightOf {
+    /// The training scene and the targets.
+    Training,
+    /// A scene, by its name.
+    Scene(String),
+    /// Statistics over the training scenes.
+    Statistics,
 }

@@ -5,7 +5,8 @@ use std::path::PathBuf;
 
 use serde::Deserialize;
 use serde_json::{Value, json};
-use smalti::camera::CameraDescription;
+use smalti::camera::{CameraDescription, KEY_RANGES};
+use smalti::metrics::{Relevance, smallest_relevant};
 use smalti::sensor::cfa;
 use smalti_io::{TomlSource, cameras, designs};
 
@@ -13,6 +14,22 @@ use super::EngineError;
 
 /// Characters of the longest camera file.
 const MAX_TEXT: usize = 1 << 20;
+
+/// The scores of the page, by their names in the catalogue of metrics.
+const SCORED: [&str; 12] = [
+    "cpsnr_db",
+    "pixel_delta_e_2000_mean",
+    "pixel_delta_e_2000_p95",
+    "scielab_mean",
+    "mtf50_low_contrast_cy_per_px",
+    "luminance_noise_percent",
+    "saturated_percent",
+    "photon_efficiency",
+    "luminance_noise_gain",
+    "vora_value",
+    "sensitivity_metamerism_index",
+    "condition_number",
+];
 
 /// A camera description as JSON. Errors name the key as those of camera files do.
 pub(super) fn description(design: Value) -> Result<CameraDescription, EngineError> {
@@ -57,7 +74,7 @@ pub(super) fn parse(text: &str) -> Result<CameraDescription, EngineError> {
     Ok(cameras::from_source_with_notes(&source, &[], None)?.stated)
 }
 
-/// The mosaics, filters and cameras that are built in.
+/// The mosaics, filters and cameras that are built in, the ranges of the keys of camera files, and the smallest relevant differences of the scores.
 pub(super) fn catalogue() -> Result<Value, EngineError> {
     let of_cfa = |info: &cfa::CfaInfo| -> Result<Value, EngineError> {
         let tile = cfa::pattern(info.name).map_err(smalti::camera::CameraError::from)?;
@@ -70,5 +87,13 @@ pub(super) fn catalogue() -> Result<Value, EngineError> {
     let filters: Vec<&str> = cfa::builtin_filters().iter().map(|f| f.name).collect();
     let camera = |file: &smalti_io::BuiltinFile| parse(file.toml);
     let cameras = cameras::names().iter().map(camera).collect::<Result<Vec<_>, _>>()?;
-    Ok(json!({"cfas": cfas, "filters": filters, "cameras": cameras}))
+    let ranges: BTreeMap<&str, [f64; 2]> = KEY_RANGES.iter().map(|r| (r.key, [r.low, r.high])).collect();
+    let relevance = |metric: &&'static str| match smallest_relevant(metric) {
+        Relevance::Absolute(least) => (*metric, json!({"absolute": least})),
+        Relevance::Relative(share) => (*metric, json!({"relative": share})),
+    };
+    let relevances: BTreeMap<&str, Value> = SCORED.iter().map(relevance).collect();
+    Ok(
+        json!({"cfas": cfas, "filters": filters, "cameras": cameras, "ranges": ranges, "relevances": relevances}),
+    )
 }

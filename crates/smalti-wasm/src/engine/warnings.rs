@@ -1,9 +1,14 @@
 //! What a designer should know of a design.
 
+use std::collections::VecDeque;
+
 use serde::Serialize;
 use smalti::camera::{Camera, CameraError};
 use smalti::isp::WhiteBalance;
-use smalti::spectrum::Illuminant;
+use smalti::spectrum::{Illuminant, Spectrum};
+
+use super::EngineError;
+use super::request::Family;
 
 /// The share of its largest value from which a channel counts as sensitive at the end of the wavelengths.
 const SENSITIVE: f64 = 0.1;
@@ -11,6 +16,8 @@ const SENSITIVE: f64 = 0.1;
 const DARK: f64 = 0.02;
 /// Noise of Y after the colour matrix, relative to that of the channels, from which on colours cost much noise.
 const NOISY: f64 = 4.0;
+/// The largest difference of transmittance from the nearest filter of a family with which a filter counts as one of it.
+const APART: f64 = 0.05;
 /// Share of the samples that may saturate, percent.
 const SATURATED_PERCENT: f64 = 1.0;
 
@@ -71,6 +78,56 @@ pub(super) fn of_camera(camera: &Camera) -> Result<Vec<Warning>, CameraError> {
         });
     }
     Ok(found)
+}
+
+/// Filters whose distance from a family is kept.
+const KEPT: usize = 32;
+
+/// The distances of filters from families.
+#[derive(Default)]
+pub(super) struct Makeable {
+    /// Family, curve and distance, those used last at the end.
+    kept: VecDeque<(Family, Spectrum, f64)>,
+}
+
+impl Makeable {
+    /// Warnings about filters that the family does not have.
+    pub(super) fn warnings(&mut self, camera: &Camera, family: Family) -> Result<Vec<Warning>, EngineError> {
+        let mut space = None;
+        let mut found = Vec::new();
+        for channel in camera.sensor.cfa.channels() {
+            let curve = &channel.transmittance;
+            let known = self.kept.iter().find(|(f, c, _)| *f == family && c == curve).map(|(_, _, d)| *d);
+            let distance = match known {
+                Some(distance) => distance,
+                None => {
+                    let space = match &space {
+                        Some(space) => space,
+                        None => space.insert(family.space().sampled(camera.grid())?),
+                    };
+                    let distance = space.distance(curve);
+                    if self.kept.len() >= KEPT {
+                        self.kept.pop_front();
+                    }
+                    self.kept.push_back((family, curve.clone(), distance));
+                    distance
+                }
+            };
+            if distance > APART {
+                found.push(Warning {
+                    key: format!("sensor.cfa.filters.{}", channel.name),
+                    message: format!(
+                        "the filter {} cannot be made {}: the nearest such filter differs by up to {:.0} % transmittance",
+                        channel.name,
+                        family.words(),
+                        100.0 * distance
+                    ),
+                    filter: Some(channel.name.clone()),
+                });
+            }
+        }
+        Ok(found)
+    }
 }
 
 /// Warnings about a capture.

@@ -224,7 +224,7 @@ impl Camera {
     ///
     /// # Errors
     /// When the conversion gain depends on the light and a stage fails.
-    pub(super) fn exposure_for<'a>(
+    pub(crate) fn exposure_for<'a>(
         &self,
         time_s: f64,
         light: impl Into<Light<'a>>,

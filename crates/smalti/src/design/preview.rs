@@ -18,7 +18,7 @@ use crate::sensor::{Cfa, NoiseMode, PixelSpectra};
 use crate::spectrum::{Observer, Spectrum, WavelengthGrid};
 
 /// Quantisation steps for the brightest pixel: twice as fine near white as a display of 8 bits.
-const STEPS: f64 = 1000.0;
+pub(super) const STEPS: f64 = 1000.0;
 
 /// The light of a scene on the pixels of a camera.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

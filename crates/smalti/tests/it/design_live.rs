@@ -2,7 +2,10 @@
 #![allow(clippy::unwrap_used)]
 
 use smalti::camera::description::{CfaDescription, PatternDescription};
-use smalti::camera::{Camera, CameraDescription, TestScene, score_picture};
+use smalti::camera::{
+    COMPARED_NOISE_CAPTURES, Camera, CameraDescription, EvaluationSettings, TestScene, evaluate_with,
+    score_picture,
+};
 use smalti::color::Image;
 use smalti::design::live::{LiveCrop, LiveLearner, LivePictures, LiveScene, LiveSetup, LiveTraining};
 use smalti::design::screen::{Screen, ScreenCondition, ScreenTime};
@@ -107,6 +110,36 @@ fn pictures_and_references_are_those_of_the_simulation() {
     let white = Observer::Cie1931.white(&setup.light).unwrap();
     let expected = score_picture(&photo.picture, &reference, white, &Default::default()).unwrap();
     assert!((scores.cpsnr_db - expected.cpsnr_db).abs() < 0.1, "{} {}", scores.cpsnr_db, expected.cpsnr_db);
+}
+
+/// The light of the edges and of the chart in components gives the resolution and the noise of `evaluate` with the same pipeline.
+#[test]
+fn resolution_and_noise_are_those_of_an_evaluation() {
+    let (_, training) = light(&camera());
+    let mut learner = LiveLearner::new(training).unwrap();
+    let design = learner.learn(&camera(), LUMINANCE, 1).unwrap();
+    let found = learner.targets(&design, 1).unwrap();
+    let settings = EvaluationSettings {
+        luminance_cd_m2: LUMINANCE,
+        illuminant: Illuminant::D65,
+        seed: 1,
+        noise_captures: COMPARED_NOISE_CAPTURES,
+        exposure: None,
+    };
+    let camera = Camera::new(camera(), WavelengthGrid::VISIBLE).unwrap();
+    let isp = |_: &_| Ok(Box::new(design.pipeline().renderer()) as Box<dyn smalti::isp::Isp>);
+    let (expected, _) = evaluate_with(&camera, &settings, &|_, make| make(), &isp).unwrap();
+    // Six components describe the light to a few thousandths of the brightest pixel.
+    for (found, expected) in [
+        (found.mtf50_cy_per_mm, expected.mtf50_cy_per_mm),
+        (found.mtf50_cy_per_px, expected.mtf50_cy_per_px),
+        (found.mtf50_low_contrast_cy_per_mm, expected.mtf50_low_contrast_cy_per_mm),
+        (found.mtf50_low_contrast_cy_per_px, expected.mtf50_low_contrast_cy_per_px),
+        (found.luminance_noise_percent, expected.luminance_noise_percent.mean),
+    ] {
+        let found = found.unwrap();
+        assert!((found / expected - 1.0).abs() < 0.005, "{found} {expected}");
+    }
 }
 
 #[test]

@@ -4,10 +4,10 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 
 use super::setup::{LiveSetup, LiveTraining};
-use crate::camera::description::{AutoExposureName, CameraDescription, CfaDescription, IspDescription};
+use super::targets::TargetLight;
+use crate::camera::description::{CameraDescription, CfaDescription, IspDescription};
 use crate::camera::stable_text::stable_text;
 use crate::camera::{Camera, CameraError};
-use crate::design::imaged_scene::ImagedScene;
 use crate::design::latest::keep_latest;
 use crate::design::pipeline_trainer::PipelineTrainer;
 use crate::design::pixel_light::PixelLight;
@@ -15,7 +15,7 @@ use crate::design::targets::has_independent_samples;
 use crate::design::training_data::TrainingLight;
 use crate::l3::Pipeline;
 use crate::numeric::Planes;
-use crate::sensor::{PixelSpectra, SensorError};
+use crate::sensor::SensorError;
 use crate::spectrum::Spectrum;
 
 /// Conditions whose training data are kept, about 10 MB each.
@@ -57,8 +57,9 @@ impl LiveDesign {
 pub struct LiveLearner {
     setup: LiveSetup,
     light: PixelLight,
-    chart: PixelLight,
-    chart_metered: Option<Vec<f64>>,
+    pub(super) chart: TargetLight,
+    pub(super) edge: TargetLight,
+    pub(super) low_contrast_edge: TargetLight,
     seen: Planes,
     white_y: f64,
     white: Spectrum,
@@ -71,13 +72,14 @@ impl LiveLearner {
     /// # Errors
     /// When the parts of the light do not fit each other.
     pub fn new(training: LiveTraining) -> Result<Self, CameraError> {
-        let LiveTraining { setup, training } = training;
+        let LiveTraining { setup, training, edge, low_contrast_edge } = training;
         setup.learning.validate()?;
         let grid = setup.bare.grid()?;
         Ok(Self {
             light: training.light.light(grid)?,
-            chart: training.chart.light.light(grid)?,
-            chart_metered: training.chart.metered,
+            chart: TargetLight::new(&training.chart, grid)?,
+            edge: TargetLight::new(&edge, grid)?,
+            low_contrast_edge: TargetLight::new(&low_contrast_edge, grid)?,
             seen: training.seen.planes().map_err(SensorError::from)?,
             white_y: training.white_y,
             white: Spectrum::new(grid, training.white)?,
@@ -146,15 +148,10 @@ impl LiveLearner {
             self.kept.push_back(found.clone());
             return Ok(found.1);
         }
-        let of = |light: &PixelLight| -> Result<(Camera, PixelSpectra), CameraError> {
-            let camera = camera.with_size(light.planes().rows(), light.planes().cols());
-            let pixels = light.behind(&camera.sensor, lens, luminance_cd_m2)?;
-            Ok((camera, pixels))
-        };
-        let (chart_camera, chart_pixels) = of(&self.chart)?;
-        let metered = metered(&chart_camera, self.chart_metered.as_deref(), lens, luminance_cd_m2)?;
-        let chart = ImagedScene::from_pixels(chart_camera, chart_pixels, metered);
-        let (camera, pixels) = of(&self.light)?;
+        let chart = self.chart.imaged(camera, lens, luminance_cd_m2)?;
+        let planes = self.light.planes();
+        let camera = camera.with_size(planes.rows(), planes.cols());
+        let pixels = self.light.behind(&camera.sensor, lens, luminance_cd_m2)?;
         let mut seen = self.seen.clone();
         seen.data_mut().iter_mut().for_each(|v| *v *= luminance_cd_m2 as f32);
         let light = TrainingLight {
@@ -168,23 +165,5 @@ impl LiveLearner {
         let trainer = Arc::new(trainer);
         keep_latest(&mut self.kept, KEPT, (key, trainer.clone()));
         Ok(trainer)
-    }
-}
-
-/// The irradiance at the point that a camera meters, behind its lens; `None` if it meters no point. `bare` is that behind a clear lens.
-pub(super) fn metered(
-    camera: &Camera,
-    bare: Option<&[f64]>,
-    lens: &Spectrum,
-    luminance_cd_m2: f64,
-) -> Result<Option<Spectrum>, CameraError> {
-    let is_point = camera.stated_time_s().is_none()
-        && camera.description().exposure.auto != Some(AutoExposureName::Mean);
-    match bare.filter(|_| is_point) {
-        None => Ok(None),
-        Some(bare) => {
-            let values = bare.iter().zip(lens.values()).map(|(v, t)| v * t * luminance_cd_m2).collect();
-            Ok(Some(Spectrum::new(camera.grid(), values)?))
-        }
     }
 }

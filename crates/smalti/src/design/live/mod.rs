@@ -7,7 +7,9 @@
 mod learner;
 mod pictures;
 mod setup;
+mod targets;
 
 pub use learner::{LiveDesign, LiveLearner};
 pub use pictures::{LiveCrop, LivePicture, LivePictures};
 pub use setup::{LiveScene, LiveSetup, LiveTraining};
+pub use targets::LiveTargetScores;

@@ -5,8 +5,9 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::learner::{LiveDesign, metered};
+use super::learner::LiveDesign;
 use super::setup::LiveScene;
+use super::targets::metered;
 use crate::camera::chart::LUMINANCE;
 use crate::camera::score::ReferenceToScore;
 use crate::camera::{Camera, CameraError, PictureScores, ScoreSettings};

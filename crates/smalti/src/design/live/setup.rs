@@ -6,10 +6,13 @@ use crate::camera::description::{
     AutoExposureName, CameraDescription, ExposureDescription, IspDescription, OpticsDescription,
     PixelDescription, SensorDescription,
 };
+use crate::camera::target::Target;
 use crate::camera::{Camera, CameraError, EvaluationSettings, Setup, TestScene};
+use crate::design::imaged_scene::ImagedScene;
 use crate::design::learning_settings::{LearningSettings, LearningStatistics};
 use crate::design::pipeline_trainer::PipelineTrainer;
-use crate::design::preview::{PreviewScene, PreviewTraining};
+use crate::design::pixel_light::PixelLight;
+use crate::design::preview::{PreviewScene, PreviewTraining, STEPS};
 use crate::design::targets::Targets;
 use crate::sensor::Filter;
 use crate::spectrum::Illuminant;
@@ -40,7 +43,7 @@ pub struct LiveScene {
     pub scene: PreviewScene,
 }
 
-/// The light of the training scene of 1 cd/m² on bare pixels.
+/// The light of the training scene and of the targets of 1 cd/m² on bare pixels.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LiveTraining {
@@ -48,6 +51,10 @@ pub struct LiveTraining {
     pub setup: LiveSetup,
     /// The light.
     pub training: PreviewTraining,
+    /// The light of the edge of high contrast, on which resolution is measured.
+    pub edge: PreviewScene,
+    /// The light of the edge with a luminance ratio of 4:1.
+    pub low_contrast_edge: PreviewScene,
 }
 
 impl LiveSetup {
@@ -131,7 +138,7 @@ impl LiveSetup {
         Ok(LiveScene { name: scene.name().to_owned(), scene: PreviewScene::new(&setup, components)? })
     }
 
-    /// The light of the training scene on bare pixels, in `components` spectral components.
+    /// The light of the training scene and of the targets on bare pixels, in `components` spectral components.
     ///
     /// # Errors
     /// When a setting is out of range or the scene cannot be imaged.
@@ -143,6 +150,19 @@ impl LiveSetup {
         };
         let targets = Targets::new(&self.camera()?, &evaluation, &[], &[], &|_, make| make())?;
         let trainer = PipelineTrainer::new(&targets, &self.learning, &|_, make| make())?;
-        Ok(LiveTraining { setup: self.clone(), training: PreviewTraining::new(&trainer, components)? })
+        let setting = evaluation.setting(self.bare.grid()?);
+        let light = |target: Target| {
+            let imaged = ImagedScene::of_target(&target, &|_, make| make())?;
+            let light = PixelLight::new(&imaged.camera.sensor, &imaged.pixels, components)?;
+            let metered = imaged.metered().map(|s| s.values().to_vec());
+            Ok::<_, CameraError>(PreviewScene { light: light.quantized(STEPS), metered })
+        };
+        let camera = self.camera()?;
+        Ok(LiveTraining {
+            setup: self.clone(),
+            training: PreviewTraining::new(&trainer, components)?,
+            edge: light(Target::edge(&camera, &setting)?)?,
+            low_contrast_edge: light(Target::low_contrast_edge(&camera, &setting)?)?,
+        })
     }
 }

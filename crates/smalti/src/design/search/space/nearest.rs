@@ -3,6 +3,7 @@
 use super::SampledSpace;
 use crate::design::search::lbfgs;
 use crate::numeric::philox::Stream;
+use crate::spectrum::Spectrum;
 
 /// Purpose of the random numbers of starts.
 const PURPOSE: u32 = 0x004e_4541;
@@ -37,6 +38,14 @@ impl SampledSpace {
         };
         ends.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, at)| at).unwrap_or_default()
     }
+
+    /// How far a filter is from the family: the largest difference at a wavelength between its transmittance and that of the nearest filter of
+    /// the family, 0 to 1. For filters of the family it is below 0.02, the accuracy of the search for the nearest one.
+    #[must_use]
+    pub fn distance(&self, transmittance: &Spectrum) -> f64 {
+        let nearest = self.transmittance(&self.nearest(transmittance.values()));
+        nearest.iter().zip(transmittance.values()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+    }
 }
 
 #[cfg(test)]
@@ -57,7 +66,13 @@ mod tests {
                 let found = space.transmittance(&space.nearest(&wanted));
                 let worst = found.iter().zip(&wanted).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
                 assert!(worst < 0.02, "{space:?}: {worst}");
+                let wanted = Spectrum::new(space.grid(), wanted).unwrap();
+                assert_eq!(space.distance(&wanted), worst);
             }
+            // A comb is none of any family.
+            let comb = (0..space.grid().len()).map(|i| (i % 2) as f64).collect();
+            let distance = space.distance(&Spectrum::new(space.grid(), comb).unwrap());
+            assert!(distance > 0.3, "{space:?}: {distance}");
         }
         let measured = Measured { library: builtin(&["pigment/R", "pigment/G", "pigment/B"]) };
         let space = FilterSpace::Measured(measured).sampled(WavelengthGrid::VISIBLE).unwrap();
