@@ -14,6 +14,7 @@ use smalti_io::cameras::LoadedCamera;
 use smalti_io::studio::StudioAsset;
 use smalti_io::{TomlSource, cameras, designs, studies, write};
 use smalti_report::study::camera_toml;
+use smalti_serve::studio::Native;
 use smalti_serve::{LocalServer, studio};
 
 use crate::args::Common;
@@ -62,12 +63,14 @@ pub(crate) fn run(args: &Studio, common: &Common) -> anyhow::Result<()> {
     if let Some(dir) = &args.export {
         write::ensure_is_new(dir)?;
         write::ensure_can_fill(dir)?;
-        let files = studio::files(&toml, light_for(&camera, &cache, common)?);
+        let files = studio::files(&toml, light_for(&camera, &cache, common)?, false);
         write::folder(dir, files.iter().map(|file| (file.path.as_str(), file.content.as_ref())))?;
         return crate::print(&format!("{}\n", dir.join("index.html").display()));
     }
     let server = LocalServer::bind(args.port, None)?;
-    let files = studio::files(&toml, light_for(&camera, &cache, common)?);
+    let assets = light_for(&camera, &cache, common)?;
+    let native = Native::new(cache, smalti_io::studio::statistics_of(&assets)?);
+    let files = studio::files(&toml, assets, true);
     let address = server.url();
     if args.json {
         crate::output::print_document(&format!("{}\n", json!({"address": address})))?;
@@ -78,7 +81,7 @@ pub(crate) fn run(args: &Studio, common: &Common) -> anyhow::Result<()> {
         }
         note("Ctrl-C ends the server", common);
     }
-    Ok(server.run(studio::routes(files))?)
+    Ok(server.run(studio::routes(files, native))?)
 }
 
 /// The light of the scenes behind the lens of a camera, as files of the page. It depends neither on the filters nor on the processing, so

@@ -13,16 +13,17 @@
 mod file;
 mod residuals;
 
-use std::io::Write;
+use std::io::{Read, Write};
 use std::path::Path;
 
 use flate2::Compression;
+use flate2::read::DeflateDecoder;
 use flate2::write::DeflateEncoder;
 use rayon::prelude::*;
 use serde_json::{Value, json};
 use smalti::camera::{Camera, CameraError, TestScene};
 use smalti::design::LearningSettings;
-use smalti::design::light::LightSettings;
+use smalti::design::light::{LightSettings, LightStatistics};
 use smalti::design::live::{LiveScene, LiveSetup};
 use smalti::experiment::{ExperimentError, Progress, Resources, light_statistics};
 use smalti::spectrum::Illuminant;
@@ -34,6 +35,9 @@ use crate::{IoError, light, rendered, test_scenes};
 
 /// Spectral components of scenes and of the training scene. They describe natural surfaces in daylight to a few thousandths.
 const COMPONENTS: usize = 8;
+/// The file with the statistics of light, and the most bytes that it has inflated.
+const STATISTICS: &str = "statistics.bin";
+const MOST_STATISTICS_BYTES: u64 = 1 << 30;
 /// The scenes: identifier, name in the catalogue, name for people. The first is shown first.
 const SCENES: [(&str, &str, &str); 5] = [
     ("brushes", "photo-brushes", "Paint brushes"),
@@ -47,6 +51,25 @@ const SCENES: [(&str, &str, &str); 5] = [
 #[must_use]
 pub fn learning() -> LearningSettings {
     LearningSettings { side: 5, size_px: 160, ..LearningSettings::default() }
+}
+
+/// The name in the catalogue of a scene of the studio.
+#[must_use]
+pub fn catalogue_name(id: &str) -> Option<&'static str> {
+    SCENES.iter().find(|(own, ..)| *own == id).map(|(_, catalogue, _)| *catalogue)
+}
+
+/// The statistics of light among the files of the studio.
+///
+/// # Errors
+/// When they are missing or damaged.
+pub fn statistics_of(assets: &[StudioAsset]) -> Result<LightStatistics, IoError> {
+    let path = Path::new(STATISTICS);
+    let found = assets.iter().find(|asset| asset.name == STATISTICS).map_or(&[][..], |asset| &asset.bytes);
+    let mut bytes = Vec::new();
+    let inflated = DeflateDecoder::new(found).take(MOST_STATISTICS_BYTES).read_to_end(&mut bytes);
+    inflated.map_err(|source| IoError::Read { path: path.to_owned(), source })?;
+    light::from_bytes(&bytes, path)
 }
 
 /// A file of the studio.
@@ -111,7 +134,7 @@ pub fn assets(camera: &Camera, progress: &dyn Progress) -> Result<Vec<StudioAsse
     let manifest = json!({
         "version": 1,
         "training": "training.bin",
-        "statistics": "statistics.bin",
+        "statistics": STATISTICS,
         "scenes": scenes.iter().map(|(about, _)| about).collect::<Vec<_>>(),
         "setups": [{
             "id": description.name,
@@ -128,7 +151,7 @@ pub fn assets(camera: &Camera, progress: &dyn Progress) -> Result<Vec<StudioAsse
     });
     let manifest = StudioAsset { name: "manifest.json".into(), bytes: manifest.to_string().into_bytes() };
     let mut all = vec![manifest, deflated("training.bin".into(), &training)];
-    all.push(deflated("statistics.bin".into(), &statistics));
+    all.push(deflated(STATISTICS.into(), &statistics));
     all.extend(scenes.into_iter().map(|(_, asset)| asset));
     Ok(all)
 }

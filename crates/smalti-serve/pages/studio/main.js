@@ -7,6 +7,7 @@ import { curvesCsv, fileName, save } from "./files.js";
 import { setUpFilters } from "./filters.js";
 import { setUpImprove } from "./improve.js";
 import { setUpMosaic } from "./mosaic.js";
+import { setUpNative } from "./native.js";
 import { setUpPicture } from "./picture.js";
 import { setUpScores } from "./scores.js";
 import { fitted, setUpSensor } from "./sensor.js";
@@ -255,6 +256,10 @@ async function start() {
 
   // ---- the design ----
 
+  setUpNative(() => ({
+    camera: store.camera, pinned: isPinned() ? undefined : store.pinned, scene: scene.value, luminance: luminance(),
+    isOwn: engine.scenes.some((s) => s.id === scene.value && s.set === "own"),
+  }));
   setUpImprove(store, engine, luminance, (design) => inFull(engine, design), (error) => tell(`${message(error)}.`, "trouble"));
   const show = () => {
     if (document.activeElement !== name) name.value = store.camera.name;

@@ -1,0 +1,125 @@
+//! Heavy work of the studio: the page asks over a WebSocket, the library works with all processors.
+//!
+//! The experiments are those of the command: a table is that of `smalti train`, a capture that of `smalti simulate`, a search that of `smalti design`, a
+//! report that of `smalti compare`. The page sends designs and names of scenes; no message names a file.
+
+mod capture;
+mod design;
+mod message;
+mod report;
+mod search;
+mod socket;
+mod watch;
+
+use std::sync::Arc;
+
+use axum::Router;
+use axum::routing::any;
+use serde_json::Value;
+use smalti::camera::CameraError;
+use smalti::design::DesignError;
+use smalti::design::light::LightStatistics;
+use smalti::experiment::{ExperimentError, Progress as _, Resources};
+use smalti_io::cache::Cache;
+use smalti_io::rendered::TrainingSet;
+use smalti_io::{Diagnostic, IoError, memory};
+use smalti_report::ReportError;
+use thiserror::Error;
+use tokio::sync::Semaphore;
+
+pub use message::{Capture, Family, Job, MOST_MESSAGE_BYTES, MessageError, Report, Request, Search};
+use watch::Watch;
+
+/// The path of the connection, below the token.
+pub(super) const PATH: &str = "native";
+
+/// What jobs draw on.
+pub struct Native {
+    cache: Cache,
+    statistics: LightStatistics,
+    /// The job that is at work.
+    turn: Semaphore,
+}
+
+/// Why a job has no result.
+#[derive(Debug, Error)]
+enum JobError {
+    /// The page ended it.
+    #[error("the work was stopped")]
+    Stopped,
+    /// The request cannot be met.
+    #[error("{0}")]
+    Wrong(String),
+    /// The camera is impossible.
+    #[error(transparent)]
+    Camera(#[from] CameraError),
+    /// The description of the camera cannot be read.
+    #[error("{0}")]
+    Description(#[from] Box<Diagnostic>),
+    /// The search is impossible.
+    #[error(transparent)]
+    Design(#[from] DesignError),
+    /// A stage failed.
+    #[error(transparent)]
+    Experiment(ExperimentError),
+    /// A scene cannot be read, or a file not be made.
+    #[error(transparent)]
+    File(#[from] IoError),
+    /// The page of the report cannot be made.
+    #[error(transparent)]
+    Report(#[from] ReportError),
+    /// A defect of the program.
+    #[error("the job ended without a result; this is a defect of the program")]
+    Broken,
+}
+
+impl From<ExperimentError> for JobError {
+    fn from(error: ExperimentError) -> Self {
+        match error {
+            ExperimentError::Stopped => Self::Stopped,
+            other => Self::Experiment(other),
+        }
+    }
+}
+
+/// A result: JSON, and files with what they are.
+struct Found {
+    said: Value,
+    files: Vec<(&'static str, Vec<u8>)>,
+}
+
+impl Native {
+    /// Jobs that keep slow results in a cache. `statistics` are those of the page, from which searches expect errors.
+    #[must_use]
+    pub fn new(cache: Cache, statistics: LightStatistics) -> Self {
+        Self { cache, statistics, turn: Semaphore::new(1) }
+    }
+
+    fn resources<'a>(&'a self, watch: &'a Watch) -> Resources<'a> {
+        Resources {
+            store: &self.cache,
+            training_scenes: TrainingSet::All.stored(),
+            progress: watch,
+            memory_bytes: memory::available_bytes(),
+        }
+    }
+
+    fn run(&self, job: &Job, watch: &Watch) -> Result<Found, JobError> {
+        if watch.is_stopped() {
+            return Err(JobError::Stopped);
+        }
+        let found = match job {
+            Job::Table { design, quality } => capture::table(self, design, *quality, watch),
+            Job::Capture(capture) => capture::capture(self, capture, watch),
+            Job::Search(search) => search::search(self, search, watch),
+            Job::Report(wanted) => report::report(self, wanted, watch),
+        };
+        // A result that comes after the wish to end it is none.
+        if watch.is_stopped() { Err(JobError::Stopped) } else { found }
+    }
+}
+
+/// The connection, for pages below the token.
+pub(super) fn routes(native: Arc<Native>) -> Router {
+    Router::new().route(&format!("/{PATH}"), any(socket::connect)).with_state(native)
+}
