@@ -1,4 +1,5 @@
 //! The connection for heavy work: what is asked for comes, what is cancelled ends, and what is none of the page is refused.
+#![allow(clippy::unwrap_used, clippy::panic)]
 
 use std::net::TcpStream;
 use std::path::Path;
@@ -54,8 +55,10 @@ fn server() -> &'static str {
     ADDRESS.get_or_init(|| {
         let server = LocalServer::bind(None, None).unwrap();
         let address = server.url();
-        let pages =
-            routes(files("name = \"x\"", Vec::new(), true), Native::new(Cache::disabled(), statistics()));
+        let pages = routes(
+            files("name = \"x\"", None, Vec::new(), true),
+            Native::new(Cache::disabled(), statistics()),
+        );
         std::thread::spawn(move || server.run(pages).unwrap());
         address
     })
@@ -263,7 +266,9 @@ fn what_is_no_message_of_the_page_ends_the_connection() {
     for text in ["", "x", "[]", "{\"start\": {}}", "{\"cancel\": {\"id\": 1, \"path\": \"../x\"}}"] {
         refused(Message::text(text), CloseCode::Policy, "the message is no request");
     }
-    refused(Message::text("[".repeat(100_000)), CloseCode::Policy, "recursion limit exceeded");
+    let deep =
+        format!("{{\"start\": {{\"id\": 1, \"job\": {{\"table\": {{\"design\": {}", "[".repeat(100_000));
+    refused(Message::text(deep), CloseCode::Policy, "recursion limit exceeded");
     refused(Message::binary(vec![0; 16]), CloseCode::Unsupported, "a binary message; expected text");
     refused(Message::text(" ".repeat(MOST_MESSAGE_BYTES + 1)), CloseCode::Size, "too long");
 }
@@ -275,7 +280,7 @@ fn the_token_and_the_origin_are_those_of_the_page() {
     assert_eq!(connect_to(server(), None).err(), Some(403));
     assert_eq!(connect_to(server(), Some("http://evil.example")).err(), Some(403));
     assert_eq!(connect_to(server(), Some("null")).err(), Some(403));
-    assert_eq!(connect_to(&own.replace("http:", "https:"), Some(&own)).err(), Some(403), "without a token");
+    assert_eq!(connect_to(&format!("{own}/"), Some(&own)).err(), Some(403), "without a token");
     let token = server().trim_end_matches('/').rsplit('/').next().unwrap();
     let wrong = server().replace(token, &"0".repeat(32));
     assert_eq!(connect_to(&wrong, Some(&own)).err(), Some(403));

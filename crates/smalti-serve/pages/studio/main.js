@@ -3,11 +3,11 @@
 import { announce, atFrame, byId, make, tell } from "./dom.js";
 import { withValue } from "./design.js";
 import { Engine } from "./engine.js";
-import { curvesCsv, fileName, save } from "./files.js";
+import { camerasOfResults, curvesCsv, fileName, save } from "./files.js";
 import { setUpFilters } from "./filters.js";
 import { setUpImprove } from "./improve.js";
 import { setUpMosaic } from "./mosaic.js";
-import { setUpNative } from "./native.js";
+import { offered, setUpNative } from "./native.js";
 import { setUpPicture } from "./picture.js";
 import { setUpScores } from "./scores.js";
 import { fitted, setUpSensor } from "./sensor.js";
@@ -52,9 +52,13 @@ async function opened(engine) {
   } catch (error) {
     tell(`The design in the address cannot be opened: ${message(error)}.`, "trouble");
   }
-  const response = await fetch("start.toml");
-  if (!response.ok) throw new Error(`start.toml is missing: ${response.status}`);
-  return { camera: inFull(engine, await engine.parse(await response.text())) };
+  const file = async (/** @type {string} */ name) => {
+    const response = await fetch(name);
+    if (!response.ok) throw new Error(`${name} is missing: ${response.status}`);
+    return inFull(engine, await engine.parse(await response.text()));
+  };
+  const pinned = (await offered())?.pinned;
+  return { camera: await file("start.toml"), pinned: pinned ? await file(pinned) : undefined };
 }
 
 async function start() {
@@ -64,7 +68,7 @@ async function start() {
   const start = fitted(engine, first.camera);
   if (start.changed) tell(start.changed);
   const store = new Store(start.camera);
-  store.pinned = first.pinned ?? start.camera;
+  store.pinned = first.pinned ? fitted(engine, first.pinned).camera : start.camera;
 
   const scene = byId("scene", HTMLSelectElement);
   const light = byId("luminance", HTMLInputElement);
@@ -231,6 +235,7 @@ async function start() {
   }
   /** @param {File} file */
   async function open(file) {
+    if (/\.json$/i.test(file.name)) return openResults(file);
     if (file.size > 4_000_000) return tell(`${file.name} is larger than a camera file or a table of a filter.`, "trouble");
     const text = await file.text();
     if (/\.(csv|txt)$/i.test(file.name)) return filters.take(file.name, text);
@@ -238,6 +243,16 @@ async function start() {
       adopt(await engine.parse(text), `opening ${file.name}`);
     } catch (error) {
       tell(`${file.name}: ${message(error)}`, "trouble");
+    }
+  }
+  /** Opens the cameras of a comparison: the first one, with the second one pinned. @param {File} file */
+  async function openResults(file) {
+    try {
+      const [own, other] = await camerasOfResults(file);
+      adopt(await engine.parse(await engine.camera_toml(own)), `opening ${file.name}`);
+      if (other) store.pin(fitted(engine, inFull(engine, await engine.parse(await engine.camera_toml(other)))).camera);
+    } catch (error) {
+      tell(`${file.name}: ${message(error)}.`, "trouble");
     }
   }
   const chooser = byId("file", HTMLInputElement);
@@ -256,11 +271,11 @@ async function start() {
 
   // ---- the design ----
 
-  setUpNative(() => ({
+  const native = setUpNative(() => ({
     camera: store.camera, pinned: isPinned() ? undefined : store.pinned, scene: scene.value, luminance: luminance(),
     isOwn: engine.scenes.some((s) => s.id === scene.value && s.set === "own"),
   }));
-  setUpImprove(store, engine, luminance, (design) => inFull(engine, design), (error) => tell(`${message(error)}.`, "trouble"));
+  setUpImprove(store, engine, luminance, (design) => inFull(engine, design), (error) => tell(`${message(error)}.`, "trouble"), native);
   const show = () => {
     if (document.activeElement !== name) name.value = store.camera.name;
     undo.setAttribute("aria-disabled", String(!store.canUndo));

@@ -11,11 +11,19 @@ import { fileName, save } from "./files.js";
  * A job at work: its result once it is announced, and the kinds of the files that are still to come.
  * @typedef {{ id: number, result?: Result, kinds: string[], onProgress: (progress: Progress) => void, resolve: (result: Result) => void, reject: (error: Error) => void }} Work
  */
-/** What a server offers. @typedef {{ native: string | null, most_message_bytes: number }} Offer */
+/** What comes with the page: the path of the connection and of the pinned camera. @typedef {{ native: string | null, most_message_bytes: number, pinned: string | null }} Offer */
 
 /** What the end of a job by the page is called. */
 const CANCELLED = "cancelled";
 const LOST = "The server has ended. The page goes on with its own engine; save the design, and start `smalti studio` again for full computations";
+
+/** @type {Promise<Offer | undefined> | undefined} */
+let known;
+/** What comes with the page. @returns {Promise<Offer | undefined>} */
+export function offered() {
+  known ??= fetch("server.json").then((response) => response.ok ? response.json() : undefined, () => undefined);
+  return known;
+}
 
 /** The connection. One job is at work at a time. */
 export class Native {
@@ -40,9 +48,7 @@ export class Native {
 
   /** Connects, if there is a server that offers it. @param {() => void} onLost @returns {Promise<Native | undefined>} */
   static async connect(onLost) {
-    const response = await fetch("server.json");
-    /** @type {Offer | undefined} */
-    const offer = response.ok ? await response.json() : undefined;
+    const offer = await offered();
     if (!offer?.native) return undefined;
     const address = new URL(offer.native, document.baseURI);
     address.protocol = address.protocol.replace("http", "ws");
@@ -126,7 +132,7 @@ export async function setUpNative(shown) {
   const cancel = make("button", { type: "button", hidden: true }, "Cancel");
   const show = () => {
     const isIdle = native !== undefined && native.isOpen && stop === undefined;
-    for (const item of document.querySelectorAll("[data-native], #native-panel [data-job], #search")) item.setAttribute("aria-disabled", String(!isIdle));
+    for (const item of document.querySelectorAll("[data-native], [data-job]")) item.setAttribute("aria-disabled", String(!isIdle));
     cancel.hidden = stop === undefined;
     bar.hidden = stop === undefined;
   };
@@ -140,7 +146,7 @@ export async function setUpNative(shown) {
   try {
     native = await Native.connect(lost);
   } catch {
-    // A folder without server.json, or a server that ended in between.
+    // The server ended in between.
     native = undefined;
   }
   byId("without-server", HTMLElement).hidden = native !== undefined;
@@ -191,21 +197,31 @@ export async function setUpNative(shown) {
   });
 
   const quality = make("select", {}, make("option", { value: "fast" }, "Fast: one stage"), make("option", { value: "best" }, "Best: two stages"));
+  const extent = make("select", {},
+    make("option", { value: "here" }, "this scene in this light"),
+    make("option", { value: "range" }, "this scene from 1 to 100 cd/m²"),
+    make("option", { value: "all" }, "all natural scenes in this light"),
+  );
   const button = (/** @type {string} */ label, /** @type {() => void} */ click) => make("button", { type: "button", "data-job": "", click }, label);
+  const verdict = make("pre", { class: "verdict", hidden: true });
   const picture = make("figure", { class: "full", hidden: true });
   place.append(
-    make("div", { class: "fields" }, make("label", { class: "field wide" }, make("span", {}, "Pipeline"), quality)),
-    make("div", { class: "row" }, button("Full-size picture", takePicture), cancel),
-    bar, state, picture,
+    make("div", { class: "fields" }, make("label", { class: "field wide" }, make("span", {}, "Pipeline"), quality), make("label", { class: "field wide" }, make("span", {}, "Report on"), extent)),
+    make("div", { class: "row" }, button("Full-size picture", takePicture), button("Report", () => saves.report()), cancel),
+    bar, state, verdict, picture,
   );
   state.textContent = "All processors of this computer, the whole simulation and all training scenes.";
   show();
+
+  function refuse() {
+    tell("The photograph is in this browser alone. Choose a built-in scene, or use `smalti simulate camera.toml --scene photo.png`.", "trouble");
+  }
 
   /** @param {string | null} pipeline */
   function capture(pipeline) {
     const { camera, scene, luminance, isOwn } = shown();
     if (isOwn) {
-      tell("The photograph is in this browser alone; choose a built-in scene, or use `smalti simulate camera.toml --scene photo.png`.", "trouble");
+      refuse();
       return undefined;
     }
     const job = { capture: { design: camera, scene, luminance_cd_m2: luminance, pipeline } };
@@ -230,6 +246,7 @@ export async function setUpNative(shown) {
       make("div", { class: "row" }, keep("Save PNG", "picture", "png"), keep("Save DNG", "raw", "dng"), keep("Save .l3", "table", "l3")),
     );
     picture.hidden = false;
+    picture.scrollIntoView({ block: "nearest" });
   }
 
   /** @type {Record<string, () => Promise<void>>} */
@@ -245,9 +262,17 @@ export async function setUpNative(shown) {
       if (wanted && result) save(wanted.name("dng"), result.files.raw);
     },
     async report() {
-      const { camera, pinned, luminance } = shown();
-      const result = await work("The report", { report: { design: camera, rival: pinned ?? null, luminances_cd_m2: [luminance] } });
-      if (result) save(fileName(`${camera.name} report`, "html"), result.files.page);
+      const { camera, pinned, luminance, scene, isOwn } = shown();
+      if (isOwn && extent.value !== "all") return refuse();
+      const report = {
+        design: camera, rival: pinned, scene: extent.value === "all" ? null : scene, luminances_cd_m2: extent.value === "range" ? [1, 10, 100] : [luminance],
+        quality: quality.value,
+      };
+      const result = await work("The report", { report });
+      if (!result) return;
+      save(fileName(`${camera.name} report`, "html"), result.files.page);
+      verdict.textContent = result.said.verdict;
+      verdict.hidden = result.said.verdict === "";
     },
   };
   for (const item of items) item.addEventListener("click", () => saves[String(item.getAttribute("data-native"))]());

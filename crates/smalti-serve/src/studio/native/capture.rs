@@ -13,7 +13,7 @@ use smalti_io::picture::{self, Depth};
 use smalti_io::{SceneRequest, l3, memory, scenes, studio};
 
 use super::design::camera;
-use super::message::{Capture, ensure_luminances};
+use super::message::Capture;
 use super::watch::Watch;
 use super::{Found, JobError, Native};
 
@@ -44,11 +44,8 @@ pub(super) fn table(
 
 /// A capture of a scene, and its picture with the pipeline of the design.
 pub(super) fn capture(native: &Native, wanted: &Capture, watch: &Watch) -> Result<Found, JobError> {
-    ensure_luminances(&[wanted.luminance_cd_m2])?;
     let camera = camera(&wanted.design)?;
-    let Some(name) = studio::catalogue_name(&wanted.scene) else {
-        return Err(JobError::Wrong(format!("there is no scene {:?} in the studio", wanted.scene)));
-    };
+    let name = studio::catalogue_name(&wanted.scene).ok_or(JobError::Broken)?;
     let pipeline = wanted.pipeline.map(|quality| pipeline(native, &camera, quality, watch)).transpose()?;
     watch.expect(1);
     watch.begin("scene");

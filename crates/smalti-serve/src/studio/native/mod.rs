@@ -22,11 +22,12 @@ use smalti::design::light::LightStatistics;
 use smalti::experiment::{ExperimentError, Progress as _, Resources};
 use smalti_io::cache::Cache;
 use smalti_io::rendered::TrainingSet;
-use smalti_io::{Diagnostic, IoError, memory};
+use smalti_io::{Diagnostic, IoError, memory, studio};
 use smalti_report::ReportError;
 use thiserror::Error;
 use tokio::sync::Semaphore;
 
+use message::ensure_luminances;
 pub use message::{Capture, Family, Job, MOST_MESSAGE_BYTES, MessageError, Report, Request, Search};
 use watch::Watch;
 
@@ -43,7 +44,8 @@ pub struct Native {
 
 /// Why a job has no result.
 #[derive(Debug, Error)]
-enum JobError {
+#[non_exhaustive]
+pub enum JobError {
     /// The page ended it.
     #[error("the work was stopped")]
     Stopped,
@@ -108,6 +110,7 @@ impl Native {
         if watch.is_stopped() {
             return Err(JobError::Stopped);
         }
+        job.check()?;
         let found = match job {
             Job::Table { design, quality } => capture::table(self, design, *quality, watch),
             Job::Capture(capture) => capture::capture(self, capture, watch),
@@ -116,6 +119,47 @@ impl Native {
         };
         // A result that comes after the wish to end it is none.
         if watch.is_stopped() { Err(JobError::Stopped) } else { found }
+    }
+}
+
+impl Request {
+    /// Checks everything that is known before the work begins: that designs are cameras, scenes those of the studio, and luminances within their range.
+    ///
+    /// # Errors
+    /// With the first that is wrong.
+    pub fn check(&self) -> Result<(), JobError> {
+        match self {
+            Self::Start { job, .. } => job.check(),
+            Self::Cancel { .. } => Ok(()),
+        }
+    }
+}
+
+impl Job {
+    fn check(&self) -> Result<(), JobError> {
+        let scene = |id: &str| match studio::catalogue_name(id) {
+            Some(_) => Ok(()),
+            None => Err(JobError::Wrong(format!("there is no scene {id:?} in the studio"))),
+        };
+        match self {
+            Self::Table { design, .. } => design::camera(design).map(drop),
+            Self::Capture(capture) => {
+                scene(&capture.scene)?;
+                ensure_luminances(&[capture.luminance_cd_m2])?;
+                design::camera(&capture.design).map(drop)
+            }
+            Self::Search(search) => {
+                ensure_luminances(&search.luminances_cd_m2)?;
+                search::ensure_locks(&design::camera(&search.design)?, search)
+            }
+            Self::Report(report) => {
+                report.scene.as_deref().map_or(Ok(()), scene)?;
+                ensure_luminances(&report.luminances_cd_m2)?;
+                std::iter::once(&report.design)
+                    .chain(&report.rival)
+                    .try_for_each(|design| design::camera(design).map(drop))
+            }
+        }
     }
 }
 

@@ -13,7 +13,7 @@ use smalti_report::names;
 
 use super::capture::{LIGHT, SEED};
 use super::design::camera;
-use super::message::{Report, ensure_luminances};
+use super::message::Report;
 use super::watch::Watch;
 use super::{Found, JobError, Native};
 
@@ -22,18 +22,12 @@ const SEEDS: u64 = 3;
 
 /// A comparison as by `smalti compare`.
 pub(super) fn report(native: &Native, wanted: &Report, watch: &Watch) -> Result<Found, JobError> {
-    ensure_luminances(&wanted.luminances_cd_m2)?;
     let cameras: Vec<Camera> =
         std::iter::once(&wanted.design).chain(&wanted.rival).map(camera).collect::<Result<_, _>>()?;
     let labels = numbered(cameras.iter().map(|c| c.description().name.clone()).collect());
     let scenes = match &wanted.scene {
         None => TestSet::default().scenes(&LIGHT)?,
-        Some(id) => {
-            let name = studio::catalogue_name(id);
-            let name =
-                name.ok_or_else(|| JobError::Wrong(format!("there is no scene {id:?} in the studio")))?;
-            vec![test_scene(name, &LIGHT)?]
-        }
+        Some(id) => vec![test_scene(studio::catalogue_name(id).ok_or(JobError::Broken)?, &LIGHT)?],
     };
     let (processing, resources) = ([Processing::L3], native.resources(watch));
     let lights = scene_lights(&LIGHT, &scenes)?;

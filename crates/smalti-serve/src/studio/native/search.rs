@@ -18,7 +18,7 @@ use smalti::spectrum::Spectrum;
 
 use super::capture::LIGHT;
 use super::design::camera;
-use super::message::{Family, Search, ensure_luminances};
+use super::message::{Family, Search};
 use super::watch::Watch;
 use super::{Found, JobError, Native};
 
@@ -40,9 +40,8 @@ struct Kept {
 
 /// Searches all mosaics of the tile, and the filters for each from many starts.
 pub(super) fn search(native: &Native, wanted: &Search, watch: &Watch) -> Result<Found, JobError> {
-    ensure_luminances(&wanted.luminances_cd_m2)?;
     let camera = camera(&wanted.design)?;
-    let kept = kept(&camera, wanted)?;
+    let kept = kept(&camera, wanted);
     let mosaic = camera.sensor.cfa.mosaic();
     let space = match wanted.family {
         Family::Free => FilterSpace::Free(FreeCurves::default()),
@@ -99,15 +98,13 @@ fn letter(channel: usize) -> char {
     char::from(b'a' + (channel % 26) as u8)
 }
 
-/// Which cells and filters stay. A filter that stays keeps its cells.
-fn kept(camera: &Camera, wanted: &Search) -> Result<Kept, JobError> {
+/// Checks that the filters and cells that stay are those of the array.
+pub(super) fn ensure_locks(camera: &Camera, wanted: &Search) -> Result<(), JobError> {
     let cfa = &camera.sensor.cfa;
-    let (mosaic, channels) = (cfa.mosaic(), cfa.channels());
-    let mut filters = vec![false; channels.len()];
-    for name in &wanted.filters {
-        let at = channels.iter().position(|c| c.name == *name);
-        let at = at.ok_or_else(|| JobError::Wrong(format!("the array has no filter {name:?}")))?;
-        filters[at] = true;
+    let mosaic = cfa.mosaic();
+    let is_absent = |name: &&String| cfa.channels().iter().all(|c| c.name != **name);
+    if let Some(name) = wanted.filters.iter().find(is_absent) {
+        return Err(JobError::Wrong(format!("the array has no filter {name:?}")));
     }
     for [row, col] in &wanted.cells {
         if *row >= mosaic.rows() || *col >= mosaic.cols() {
@@ -116,6 +113,14 @@ fn kept(camera: &Camera, wanted: &Search) -> Result<Kept, JobError> {
             return Err(JobError::Wrong(message));
         }
     }
+    Ok(())
+}
+
+/// Which cells and filters stay. A filter that stays keeps its cells.
+fn kept(camera: &Camera, wanted: &Search) -> Kept {
+    let cfa = &camera.sensor.cfa;
+    let (mosaic, channels) = (cfa.mosaic(), cfa.channels());
+    let filters: Vec<bool> = channels.iter().map(|c| wanted.filters.contains(&c.name)).collect();
     let stays = |row: usize, col: usize| {
         wanted.mosaic || wanted.cells.contains(&[row, col]) || filters[mosaic.channel_at(row, col)]
     };
@@ -137,13 +142,12 @@ fn kept(camera: &Camera, wanted: &Search) -> Result<Kept, JobError> {
         let t = &channels[channel].transmittance;
         (letter(place(channel)), samples(t))
     };
-    let is_kept: Vec<bool> = (0..channels.len()).map(|c| filters[c]).collect();
     let rules = LayoutRules {
         kept: if count == 0 { Vec::new() } else { (0..mosaic.rows()).map(line).collect() },
-        filters: (0..channels.len()).filter(|c| is_kept[*c]).map(given).collect(),
+        filters: (0..channels.len()).filter(|c| filters[*c]).map(given).collect(),
         ..LayoutRules::default()
     };
-    Ok(Kept { channels: order, known: count, filters: is_kept, rules })
+    Kept { channels: order, known: count, filters, rules }
 }
 
 fn samples(t: &Spectrum) -> Filter {
