@@ -131,6 +131,97 @@ test("an improvement goes on until it is stopped, keeps what is locked, and can 
   await close();
 });
 
+test("heavy work goes to the native library, can be cancelled, and its files open in the command", async () => {
+  const { page, faults, close } = await open();
+  const panel = page.locator("#native-panel");
+  const done = (title) => page.waitForFunction((text) => document.querySelector("#native [role=status]").textContent.startsWith(text), `${title} is done`, { timeout: 240_000 });
+  // A table takes a scene after the other.
+  await page.getByRole("button", { name: "Full-size picture" }).click();
+  await page.waitForFunction(() => /training .*, \d+ of \d+/.test(document.querySelector("#native [role=status]").textContent), null, { timeout: 60_000 });
+  assert.equal(await page.getByRole("button", { name: "Full-size picture" }).getAttribute("aria-disabled"), "true", "one job at a time");
+  const begun = Date.now();
+  await panel.getByRole("button", { name: "Cancel" }).click();
+  await panel.getByText("The full-size picture was cancelled.").waitFor({ timeout: 60_000 });
+  assert.ok(Date.now() - begun < 20_000, `${Date.now() - begun} ms`);
+  // The design, its raw capture and its table, which the command makes again to the same bytes.
+  await page.getByLabel("Name of the design").fill("mine");
+  await page.getByLabel("Name of the design").press("Enter");
+  await page.getByLabel("Read noise").fill("3");
+  await settled(page);
+  await writeFile(join(dir, "mine.toml"), (await saved(page, "Save camera.toml")).content);
+  const raw = await saved(page, "Save raw capture (DNG)");
+  assert.equal(raw.name, "mine-brushes-10.dng");
+  await writeFile(join(dir, raw.name), raw.content);
+  run("simulate", "mine.toml", "--scene", "photo-brushes", "--luminance", "10", "--illuminant", "D65", "-o", "simulated", "-q");
+  assert.ok(raw.content.equals(await readFile(join(dir, "simulated", "raw.dng"))), "the raw capture is that of smalti simulate");
+  await page.getByText("File", { exact: true }).click();
+  const [download] = await Promise.all([page.waitForEvent("download", { timeout: 240_000 }), page.getByRole("button", { name: "Save learned table (.l3)" }).click()]);
+  assert.equal(download.suggestedFilename(), "mine.l3");
+  const table = await readFile(await download.path());
+  await writeFile(join(dir, "mine.l3"), table);
+  run("train", "mine.toml", "--illuminants", "D65", "-o", "again.l3", "-q");
+  assert.ok(table.equals(await readFile(join(dir, "again.l3"))), "the table is that of smalti train");
+  run("render", raw.name, "--pipeline", "mine.l3", "-o", "rendered.png", "-q");
+  // The statistics are kept, so that the picture needs no further learning.
+  await page.getByRole("button", { name: "Full-size picture" }).click();
+  await done("The full-size picture");
+  const picture = panel.getByRole("img", { name: "Full-size picture: mine, brushes, 10 cd/m²" });
+  assert.deepEqual(await picture.evaluate((image) => image.decode().then(() => [image.naturalWidth, image.naturalHeight])), [640, 480]);
+  assert.match(await panel.locator("figcaption").textContent(), /640 × 480 pixels, exposed for 100 ms\. CPSNR [\d.]+ dB, ΔE2000 [\d.]+, S-CIELAB [\d.]+\./);
+  const [png] = await Promise.all([page.waitForEvent("download"), panel.getByRole("button", { name: "Save PNG" }).click()]);
+  run("simulate", "mine.toml", "--scene", "photo-brushes", "--luminance", "10", "--illuminant", "D65", "--pipeline", "mine.l3", "-o", "learned", "-q");
+  assert.ok((await readFile(await png.path())).equals(await readFile(join(dir, "learned", "rendered.png"))), "the picture is that of smalti simulate");
+  // The report is a page that works alone.
+  await page.getByText("File", { exact: true }).click();
+  const [report] = await Promise.all([page.waitForEvent("download", { timeout: 240_000 }), page.getByRole("button", { name: "Save report (HTML)" }).click()]);
+  assert.equal(report.suggestedFilename(), "mine-report.html");
+  const html = await readFile(await report.path(), "utf8");
+  assert.match(html, /^<!doctype html>/i);
+  assert.ok(html.includes("smalti compare mine.toml bayer.toml --luminance 10 --scene photo-brushes"), "it states its command");
+  assert.deepEqual(faults, []);
+  await close();
+});
+
+test("the native library searches all mosaics, and keeps what is locked", async () => {
+  const { page, faults, close } = await open();
+  await page.getByLabel("Keep the mosaic").check();
+  await page.getByLabel("Filters are").selectOption("dichroic");
+  await page.getByRole("button", { name: "Search widely" }).click();
+  await page.locator(".improve .progress", { hasText: /^(One mosaic was|\d+ mosaics were) searched\. (Expected: [+−][\d.]+ dB|None is better)/ }).waitFor({ timeout: 240_000 });
+  assert.deepEqual(await cells(page), ["RG", "GB"]);
+  if (await page.getByRole("button", { name: "Discard" }).isVisible()) {
+    await page.getByRole("button", { name: "Discard" }).click();
+    assert.equal(await page.locator("#undo").getAttribute("aria-disabled"), "true", "the search is one step");
+  }
+  await settled(page);
+  assert.deepEqual(faults, []);
+  await close();
+});
+
+test("when the server ends, the page says so and goes on", async () => {
+  const own = spawn(smalti, ["studio", "bayer", "--json", "--quiet"], { cwd: dir, stdio: ["ignore", "pipe", "inherit"], env: env() });
+  const [line] = await once(own.stdout, "data");
+  const { page, faults, close } = await open({}, JSON.parse(line).address);
+  await page.getByLabel("Read noise").fill("4");
+  await page.getByRole("button", { name: "Full-size picture" }).click();
+  await page.waitForFunction(() => /training/.test(document.querySelector("#native [role=status]").textContent), null, { timeout: 60_000 });
+  const ended = once(own, "exit");
+  own.kill("SIGKILL");
+  await ended;
+  await page.locator("#message[data-kind=trouble]", { hasText: "The server has ended. The page goes on with its own engine" }).waitFor();
+  assert.equal(await page.getByRole("button", { name: "Full-size picture" }).getAttribute("aria-disabled"), "true");
+  assert.ok(await page.locator("#native-panel").getByRole("button", { name: "Cancel" }).isHidden());
+  const begun = await pixels(page);
+  await page.getByRole("radio", { name: "Filter B" }).click();
+  await page.getByRole("gridcell", { name: "Row 1, column 2" }).click();
+  await settled(page);
+  assert.notEqual(await pixels(page), begun, "it still draws");
+  const file = await saved(page, "Save camera.toml");
+  assert.match(file.content.toString(), /"RB"/);
+  assert.deepEqual(faults.filter((f) => !f.includes("WebSocket")), []);
+  await close();
+});
+
 test("a shared address opens the same design, and the saved camera file is that of the command", async () => {
   const { page, faults, close } = await open();
   await page.getByLabel("Start from").selectOption("rgbw");
@@ -167,6 +258,14 @@ test("a shared address opens the same design, and the saved camera file is that 
   await other.page.waitForFunction(() => document.getElementById("name").value === "mine");
   await other.page.locator("#file").setInputFiles({ name: "bad.toml", mimeType: "text/plain", buffer: Buffer.from("[sensor]\nrows = \"many\"\n") });
   await other.page.locator("#message[data-kind=trouble]", { hasText: "rows" }).waitFor();
+  // The results of a comparison: the first camera, with the second one pinned.
+  const { description: rival } = JSON.parse(run("show", "bayer", "--json"));
+  const results = (cameras) => ({ name: "results.json", mimeType: "application/json", buffer: Buffer.from(JSON.stringify({ cameras })) });
+  await other.page.locator("#file").setInputFiles(results([{ ...shown.description, name: "first" }, { ...rival, name: "second" }]));
+  await other.page.waitForFunction(() => document.getElementById("name").value === "first");
+  await other.page.locator("#pinned", { hasText: "Against the pinned second" }).waitFor();
+  await other.page.locator("#file").setInputFiles(results([]));
+  await other.page.locator("#message[data-kind=trouble]", { hasText: "it holds no camera" }).waitFor();
   await other.page.locator("#file").setInputFiles({ name: "red.csv", mimeType: "text/csv", buffer: Buffer.from("nm,percent\n400,0\n600,10\n610,90\n700,80\n") });
   await other.page.locator("#message", { hasText: "read as percent" }).waitFor();
   assert.deepEqual(other.faults, []);
@@ -337,6 +436,13 @@ test("the exported folder works from any web server, and nothing moves while it 
   await once(other, "listening");
   const { page, faults, close } = await open({}, `http://127.0.0.1:${other.address().port}/deep/`);
   assert.deepEqual(await cells(page), ["RG", "GB"]);
+  // It offers nothing that needs the server, and says which commands do it.
+  assert.ok(await page.locator("#native-panel").isHidden());
+  assert.ok(await page.getByRole("button", { name: "Search widely" }).isHidden());
+  await page.getByText("File", { exact: true }).click();
+  assert.equal(await page.getByRole("button", { name: /learned table|DNG|report/ }).count(), 0);
+  await page.getByText("smalti train", { exact: true }).waitFor();
+  await page.getByText("File", { exact: true }).click();
   const shift = await page.evaluate(() => new Promise((resolve) => {
     let sum = 0;
     new PerformanceObserver((list) => { for (const entry of list.getEntries()) sum += entry.value; }).observe({ type: "layout-shift", buffered: true });
@@ -370,6 +476,7 @@ test("what does not come from the own page is refused", async () => {
     [404, await ask("%2e%2e%2f%2e%2e%2fetc/passwd")],
     [404, await ask("engine/")],
     [404, await ask("%00")],
+    [400, await ask("native", { headers: { Origin: origin } })],
   ];
   for (const [i, [status, [got, , text]]] of expected.entries()) assert.equal(got, status, `request ${i}: ${text}`);
   // A page of another origin cannot read the design, with the address known.
@@ -380,5 +487,11 @@ test("what does not come from the own page is refused", async () => {
   await other.goto(`http://127.0.0.1:${foreign.address().port}/`);
   const reached = await other.evaluate((address) => fetch(`${address}start.toml`).then((r) => r.type, () => "refused"), server.address);
   assert.equal(reached, "refused");
+  const connected = await other.evaluate((address) => new Promise((resolve) => {
+    const socket = new WebSocket(`${address.replace("http", "ws")}native`);
+    socket.onopen = () => resolve("connected");
+    socket.onerror = () => resolve("refused");
+  }), server.address);
+  assert.equal(connected, "refused");
   foreign.close();
 });

@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use anyhow::{Context, bail};
 use clap::Args;
+use serde::Deserialize;
 use serde_json::json;
 use smalti::camera::Camera;
 use smalti::camera::description::{
@@ -13,9 +14,12 @@ use smalti::camera::description::{
 use smalti::experiment::Silent;
 use smalti_io::cache::Cache;
 use smalti_io::cameras::LoadedCamera;
+use smalti_io::dataset::Dataset;
 use smalti_io::studio::{StudioAsset, StudioAssetError};
-use smalti_io::{TomlSource, cameras, designs, studies, write};
-use smalti_report::study::camera_toml;
+use smalti_io::sweeps::{read_results, read_trials};
+use smalti_io::{TomlSource, cameras, designs, studies, text, write};
+use smalti_report::study::{Report, ReportSettings, Results, camera_toml};
+use smalti_serve::studio::Native;
 use smalti_serve::{LocalServer, studio};
 
 use crate::args::Common;
@@ -28,6 +32,9 @@ use crate::show::find::{Kind, kind};
 const LATER: Duration = Duration::from_secs(15);
 /// The camera in the folder of `smalti design`.
 const DESIGNED: &str = "camera.toml";
+/// What marks the folders of `smalti sweep` and of `smalti compare`.
+const SWEPT: &str = "manifest.json";
+const COMPARED: &str = "results.json";
 
 #[derive(Debug, Clone, Args)]
 #[command(after_help = "Examples:\n  \
@@ -35,12 +42,14 @@ const DESIGNED: &str = "camera.toml";
     smalti studio phone@quad-bayer           start with another camera and mosaic\n  \
     smalti studio best                       start with what `smalti design -o best` found\n  \
     smalti studio table2                     start with the first design of a study\n  \
+    smalti studio study                      start with the best design that `smalti sweep -o study` found\n  \
+    smalti studio out                        start with the cameras of `smalti compare -o out`, the second one pinned\n  \
     smalti studio rgbw --export site         write the page as a folder for a web server\n\n\
     The page simulates the camera in the browser and learns a pipeline for every design. The address has a token and answers to browsers of \
     this machine alone; Ctrl-C ends the server. The folder of --export needs neither this server nor the command: any web server can serve it.")]
 pub(crate) struct Studio {
-    /// Camera, study or folder of `smalti design` with whose design the page opens
-    #[arg(default_value = "bayer", value_name = "CAMERA|STUDY|DESIGN-RUN")]
+    /// Camera, study or folder of `smalti design`, `sweep` or `compare` with whose design the page opens
+    #[arg(default_value = "bayer", value_name = "CAMERA|STUDY|DIR")]
     pub(crate) start: String,
     /// Port on 127.0.0.1 [default: a free one]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
@@ -60,13 +69,16 @@ pub(crate) struct Studio {
 }
 
 pub(crate) fn run(args: &Studio, common: &Common) -> anyhow::Result<()> {
-    let camera = start(&args.start, common)?;
-    let toml = designs::own_camera_toml(camera.description()).map_err(anyhow::Error::from)?;
+    let (camera, pinned) = start(&args.start, common)?;
+    let text = |camera: &Camera| designs::own_camera_toml(camera.description()).map_err(anyhow::Error::from);
+    let (toml, pinned) = (text(&camera)?, pinned.as_ref().map(text).transpose()?);
+    let pinned = pinned.as_deref();
     let cache = resolve::cache(args.no_cache)?;
     if let Some(dir) = &args.export {
         write::ensure_is_new(dir)?;
         write::ensure_can_fill(dir)?;
-        let files = studio::files(&toml, with_sources(all_light(&bare(&camera)?, &cache, common)?));
+        let light = with_sources(all_light(&bare(&camera)?, &cache, common)?);
+        let files = studio::files(&toml, pinned, light, false);
         write::folder(dir, files.iter().map(|file| (file.path.as_str(), file.content.as_ref())))?;
         return crate::print(&format!("{}\n", dir.join("index.html").display()));
     }
@@ -78,7 +90,7 @@ pub(crate) fn run(args: &Studio, common: &Common) -> anyhow::Result<()> {
         Some(light) => light,
         None => gathered(&bare, smalti_io::studio::first_assets, common)?,
     };
-    let files = studio::files(&toml, with_sources(light));
+    let files = studio::files(&toml, pinned, with_sources(light), true);
     let address = server.url();
     if args.json {
         crate::output::print_document(&format!("{}\n", json!({"address": address})))?;
@@ -89,13 +101,14 @@ pub(crate) fn run(args: &Studio, common: &Common) -> anyhow::Result<()> {
         }
         note("Ctrl-C ends the server", common);
     }
+    let native = Native::new(cache.clone());
     if !is_kept && !args.no_cache {
         std::thread::spawn(move || {
             std::thread::sleep(LATER);
             keep_all(&bare, &cache);
         });
     }
-    Ok(server.run(studio::routes(files))?)
+    Ok(server.run(studio::routes(files, native))?)
 }
 
 /// The files of the light with those from which the page gathers it for other lenses.
@@ -150,34 +163,87 @@ fn keep_all(bare: &Camera, cache: &Cache) {
     }
 }
 
-/// The camera with which the page opens.
-fn start(name: &str, common: &Common) -> anyhow::Result<Camera> {
+/// The camera with which the page opens, and one that it is compared with.
+fn start(name: &str, common: &Common) -> anyhow::Result<(Camera, Option<Camera>)> {
     let told = |loaded: LoadedCamera| {
         loaded.notes.iter().for_each(|text| note(text, common));
         loaded.camera
     };
     let camera =
         |name: &str| cameras::load_with_notes(name, &[], None).map(told).map_err(anyhow::Error::from);
+    let alone = |camera: Camera| (camera, None);
     let folder = Path::new(name);
     if folder.is_dir() {
-        let path = folder.join(DESIGNED);
-        if !path.is_file() {
-            bail!("{name}: the folder has no {DESIGNED}; expected one that `smalti design -o {name}` wrote");
+        let has = |file: &str| folder.join(file).is_file();
+        if has(DESIGNED) {
+            let path = folder.join(DESIGNED);
+            return camera(path.to_str().context("the path of the folder is not Unicode")?).map(alone);
         }
-        return camera(path.to_str().context("the path of the folder is not Unicode")?);
+        if has(SWEPT) {
+            return best_of(folder, common).map(alone);
+        }
+        if has(COMPARED) {
+            return compared(&folder.join(COMPARED), common);
+        }
+        bail!(
+            "{name}: the folder has no {DESIGNED}, {SWEPT} or {COMPARED}; expected one that `smalti design`, `sweep` or `compare` wrote"
+        );
     }
     match kind(name, None)?.0 {
-        Kind::Camera => camera(name),
+        Kind::Camera => camera(name).map(alone),
         Kind::Study => {
             let study = studies::load_with_notes(name).map_err(anyhow::Error::from)?;
             study.notes.iter().for_each(|text| note(text, common));
-            let first = camera_toml(&study.trials, 0)?;
-            let source = TomlSource { name: name.to_owned(), folder: PathBuf::new(), text: first };
-            cameras::from_source(&source, &[], None).map_err(anyhow::Error::from)
+            of_text(name, camera_toml(&study.trials, 0)?).map(alone)
         }
         other => bail!(
-            "{name} is {}; expected a camera, a study or a folder that `smalti design` wrote. A mosaic is opened with a camera, such as bayer@quad-bayer",
+            "{name} is {}; expected a camera, a study or a folder that `smalti design`, `sweep` or `compare` wrote. A mosaic is opened with a camera, such as bayer@quad-bayer",
             other.with_article()
         ),
     }
+}
+
+/// A camera file that is a text.
+fn of_text(name: &str, text: String) -> anyhow::Result<Camera> {
+    let source = TomlSource { name: name.to_owned(), folder: PathBuf::new(), text };
+    cameras::from_source(&source, &[], None).map_err(anyhow::Error::from)
+}
+
+/// The best design of a sweep: that in the first row of the tables of `smalti report`.
+fn best_of(folder: &Path, common: &Common) -> anyhow::Result<Camera> {
+    let studies = [Results::new(read_results(folder)?)?];
+    let settings = ReportSettings::default();
+    let best = Report::new(&studies, &settings)?.first_best()?;
+    let about = folder.display();
+    let number = best.with_context(|| format!("{about}: no trial is scored; expected complete results"))?;
+    note(&format!("{about}: trial {number}, the best of the fewest colours (`smalti report`)"), common);
+    of_text(&about.to_string(), camera_toml(&read_trials(&Dataset::open(folder)?)?, number)?)
+}
+
+/// The cameras of a comparison.
+fn compared(path: &Path, common: &Common) -> anyhow::Result<(Camera, Option<Camera>)> {
+    #[derive(Deserialize)]
+    struct Document {
+        cameras: Vec<CameraDescription>,
+    }
+    let about = path.display();
+    let read: Result<Document, _> = serde_json::from_str(&text::read_to_string(path)?);
+    let document = read.map_err(|error| {
+        anyhow::anyhow!(
+            "{about}: no cameras of a comparison ({error}); expected the results of `smalti compare`"
+        )
+    })?;
+    let camera = |description: &CameraDescription| {
+        let text = designs::own_camera_toml(description).map_err(anyhow::Error::from)?;
+        of_text(&about.to_string(), text)
+    };
+    if document.cameras.len() > 2 {
+        let more = document.cameras.len() - 2;
+        note(
+            &format!("{about}: the first two cameras are shown; {more} more can be opened on the page"),
+            common,
+        );
+    }
+    let first = document.cameras.first().with_context(|| format!("{about}: it has no camera"))?;
+    Ok((camera(first)?, document.cameras.get(1).map(camera).transpose()?))
 }

@@ -47,7 +47,9 @@ impl Guard {
         }
         let origin = text(header::ORIGIN);
         let is_own = |origin: &str| self.hosts.iter().any(|own| origin.strip_prefix("http://") == Some(own));
-        let is_read = *method == Method::GET || *method == Method::HEAD;
+        // A WebSocket begins with a request that reads, but what follows commands. Browsers state the origin of every one.
+        let is_read =
+            (*method == Method::GET || *method == Method::HEAD) && !headers.contains_key(header::UPGRADE);
         if !origin.map_or(is_read, is_own) {
             return Some("requests of other origins are refused");
         }
@@ -98,6 +100,7 @@ mod tests {
         let (host, origin) = (("host", "127.0.0.1:8080"), ("origin", "http://127.0.0.1:8080"));
         assert_eq!(refusal(Method::GET, path, &[host]), None);
         assert_eq!(refusal(Method::POST, path, &[host, origin]), None);
+        assert_eq!(refusal(Method::GET, path, &[host, origin, ("upgrade", "websocket")]), None);
         assert_eq!(refusal(Method::POST, path, &[host, origin, ("sec-fetch-site", "same-origin")]), None);
         for (method, headers) in [
             (Method::GET, &[][..]),
@@ -105,6 +108,8 @@ mod tests {
             (Method::GET, &[("host", "127.0.0.1:80")]),
             (Method::POST, &[host]),
             (Method::POST, &[host, ("origin", "null")]),
+            (Method::GET, &[host, ("upgrade", "websocket")]),
+            (Method::GET, &[host, ("upgrade", "websocket"), ("origin", "http://evil.example")]),
             (Method::POST, &[host, ("origin", "http://evil.example")]),
             (Method::GET, &[host, ("origin", "https://127.0.0.1:8080")]),
             (Method::GET, &[host, ("sec-fetch-site", "cross-site")]),

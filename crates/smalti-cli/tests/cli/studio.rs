@@ -37,6 +37,58 @@ fn an_exported_page_needs_nothing_but_its_folder() {
     );
 }
 
+/// Four designs.
+const STUDY: &str = r#"
+name = "small"
+camera = "bayer"
+colors = [3]
+[sample]
+filters = 4
+mosaics = 1
+[filters.gaussian_grid]
+[mosaics.tile]
+rows = 2
+cols = 2
+"#;
+
+#[test]
+fn it_opens_with_what_a_sweep_or_a_comparison_wrote() {
+    let place = Place::new();
+    place.write("study.toml", STUDY);
+    assert_eq!(place.run(&["sweep", "study.toml", "-o", "swept", "-q"]).code, 0);
+    // The best design, as the report has it.
+    let run = place.run(&["studio", "swept", "--export", "of-swept"]);
+    assert_eq!(run.code, 0, "{}", run.err);
+    let report: serde_json::Value = serde_json::from_str(&place.ok("report swept --json -q")).unwrap();
+    let best = &report["studies"][0]["sections"][0]["colors"][0]["best"][0]["trial"];
+    assert!(
+        run.err.contains(&format!("note: swept: trial {best}, the best of the fewest colours")),
+        "{}",
+        run.err
+    );
+    let name = |text: &str| text.lines().find(|line| line.starts_with("name = ")).unwrap().to_owned();
+    let text = |file: &str| String::from_utf8(place.read(file)).unwrap();
+    assert_eq!(name(&text("of-swept/start.toml")), name(&place.ok(&format!("report swept --camera {best}"))));
+    // The first camera, and the second one pinned.
+    let cameras: Vec<serde_json::Value> = ["rgbw", "bayer", "phone"]
+        .map(|camera| {
+            serde_json::from_str::<serde_json::Value>(&place.ok(&format!("show {camera} --json")))
+                    .unwrap()["description"]
+                    .clone()
+        })
+        .to_vec();
+    std::fs::create_dir(place.path("compared")).unwrap();
+    place.write("compared/results.json", serde_json::json!({"cameras": cameras}).to_string());
+    let run = place.run(&["studio", "compared", "--export", "of-compared"]);
+    assert_eq!(run.code, 0, "{}", run.err);
+    assert!(run.err.contains("the first two cameras are shown; 1 more can be opened"), "{}", run.err);
+    assert_eq!(name(&text("of-compared/start.toml")), "name = \"rgbw\"");
+    assert_eq!(name(&text("of-compared/pinned.toml")), "name = \"bayer\"");
+    let server = place.json("of-compared/server.json");
+    assert_eq!(server["pinned"], "pinned.toml");
+    assert_eq!(server["native"], serde_json::Value::Null, "a folder has no server");
+}
+
 #[test]
 fn it_opens_with_a_camera_a_study_or_what_was_designed() {
     let place = Place::new();
@@ -49,13 +101,16 @@ fn it_opens_with_a_camera_a_study_or_what_was_designed() {
         assert!(text.lines().any(|line| line == format!("name = \"{name}\"")), "{start}: {text}");
     }
     std::fs::create_dir(place.path("empty")).unwrap();
+    std::fs::create_dir(place.path("compared")).unwrap();
+    place.write("compared/results.json", "{\"cameras\": 3}");
     place.write("wrong.toml", "name = \"wrong\"\n[sensor]\nrows = \"many\"\n");
     for (words, expected) in [
         (
             &["empty"][..],
-            "empty: the folder has no camera.toml; expected one that `smalti design -o empty` wrote",
+            "empty: the folder has no camera.toml, manifest.json or results.json; expected one that `smalti design`, `sweep` or `compare` wrote",
         ),
         (&["xtrans"], "xtrans is a CFA; expected a camera, a study or a folder"),
+        (&["compared"], "compared/results.json: no cameras of a comparison"),
         (&["bayr"], "did you mean bayer"),
         (&["wrong.toml"], "wrong.toml:3"),
     ] {

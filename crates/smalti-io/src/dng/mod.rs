@@ -27,7 +27,7 @@ pub use crate::scene_file::Crop;
 pub use mosaic::StatedMosaic;
 pub use picture::{DngPicture, write_picture};
 pub use read::{from_bytes, read, read_as};
-pub use write::{Compression, write, write_compressed};
+pub use write::{Compression, to_bytes, write, write_compressed};
 
 /// How the camera sees colour, to develop the raw by.
 #[derive(Debug, Clone, PartialEq)]

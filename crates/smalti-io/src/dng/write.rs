@@ -44,14 +44,36 @@ pub fn write_compressed(
     write_viewed(path, raw, info, compression, (Orientation::default(), None))
 }
 
+/// The bytes that [`write()`] writes; `path` is only named in errors.
+///
+/// # Errors
+/// As [`write_compressed`].
+pub fn to_bytes(raw: &RawImage, info: &DngInfo, path: &Path) -> Result<Vec<u8>, IoError> {
+    let mut bytes = Vec::new();
+    let viewed = (Orientation::default(), None);
+    put(path, raw, info, Compression::None, viewed)?(&mut bytes).map_err(IoError::writing(path))?;
+    Ok(bytes)
+}
+
 /// As [`write_compressed`], with the orientation of the picture and its part that is shown.
 pub(super) fn write_viewed(
     path: &Path,
     raw: &RawImage,
     info: &DngInfo,
     compression: Compression,
-    (orientation, default_crop): (Orientation, Option<Crop>),
+    viewed: (Orientation, Option<Crop>),
 ) -> Result<(), IoError> {
+    write::stream(path, put(path, raw, info, compression, viewed)?)
+}
+
+/// What writes the file to a target. Everything that may be wrong with the image is found before.
+fn put<'a, W: Write>(
+    path: &Path,
+    raw: &'a RawImage,
+    info: &DngInfo,
+    compression: Compression,
+    (orientation, default_crop): (Orientation, Option<Crop>),
+) -> Result<impl FnOnce(&mut W) -> std::io::Result<()> + use<'a, W>, IoError> {
     let mut fields = fields(path, raw, info)?;
     fields.insert(tags::ORIENTATION, Value::Short(vec![orientation.exif().into()]));
     if let Some(crop) = default_crop {
@@ -71,7 +93,7 @@ pub(super) fn write_viewed(
     let plain = raw.samples().len() as u64 * if digital { 2 } else { 4 };
     let bytes = coded.as_ref().map_or(plain, |c| c.len() as u64);
     let rows = raw.rows() as u32;
-    write::stream(path, |out| {
+    Ok(move |out: &mut W| {
         write_header(out, fields, rows, bytes)?;
         match (coded, raw.samples()) {
             (Some(coded), _) => out.write_all(&coded),

@@ -25,7 +25,7 @@ pub use npz::write_npz;
 pub(crate) use statistics::statistics_pieces;
 pub use statistics::{read_statistics, statistics_from_bytes, write_statistics};
 pub(crate) use table::table_pieces;
-pub use table::{read_table, table_from_bytes, write_table};
+pub use table::{read_table, table_from_bytes, table_to_bytes, write_table};
 
 /// What a file of another kind is not.
 const EXPECTED: &str = "a learned table of Smalti (.l3, a safetensors file)";

@@ -22,6 +22,14 @@ pub fn write_table(path: &Path, pipeline: &Pipeline) -> Result<(), IoError> {
     content(pipeline).write(path)
 }
 
+/// The bytes that [`write_table`] writes; `path` is only named in errors.
+///
+/// # Errors
+/// [`IoError::Write`] when the pipeline has more classes than a file may have.
+pub fn table_to_bytes(pipeline: &Pipeline, path: &Path) -> Result<Vec<u8>, IoError> {
+    content(pipeline).into_bytes(path)
+}
+
 /// The bytes of the file in pieces.
 pub(crate) fn table_pieces(pipeline: &Pipeline) -> Result<Vec<Vec<u8>>, IoError> {
     content(pipeline).into_pieces(Path::new("pipeline"))

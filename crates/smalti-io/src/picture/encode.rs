@@ -40,31 +40,50 @@ pub fn write(path: &Path, image: &Image, depth: Depth) -> Result<(), IoError> {
 /// When the image is in another space or empty, has a NaN, or the file cannot be written.
 pub fn write_png(path: &Path, image: &Image, depth: Depth) -> Result<(), IoError> {
     let samples = quantised(path, image, depth, u16::to_be_bytes)?;
-    write::atomic(path, |out| {
-        let wrong = |e: png::EncodingError| match e {
-            png::EncodingError::IoError(source) => IoError::writing(path)(source),
-            other => IoError::writing(path)(io::Error::other(other.to_string())),
-        };
-        let (cols, rows) = size(path, image)?;
-        let mut info = png::Info::with_size(cols, rows);
-        info.color_type = ColorType::Rgb;
-        info.bit_depth = if depth == Depth::Eight { BitDepth::Eight } else { BitDepth::Sixteen };
-        let p3 = image.space() == ColorSpace::DisplayP3;
-        if p3 {
-            info.icc_profile = icc::profile(image.space()).map(Into::into);
-        }
-        let mut encoder = Encoder::with_info(out, info).map_err(wrong)?;
-        if !p3 {
-            encoder.set_source_srgb(SrgbRenderingIntent::Perceptual);
-        }
-        let mut writer = encoder.write_header().map_err(wrong)?;
-        if p3 {
-            // Primaries 12, transfer 13 (sRGB), no matrix, full range: ITU-T H.273.
-            writer.write_chunk(png::chunk::ChunkType(*b"cICP"), &[12, 13, 0, 1]).map_err(wrong)?;
-        }
-        writer.write_image_data(&samples).map_err(wrong)?;
-        writer.finish().map_err(wrong)
-    })
+    write::atomic(path, |out| put_png(out, &samples, path, image, depth))
+}
+
+/// The bytes that [`write_png`] writes; `path` is only named in errors.
+///
+/// # Errors
+/// As [`write_png`].
+pub fn png_bytes(image: &Image, depth: Depth, path: &Path) -> Result<Vec<u8>, IoError> {
+    let samples = quantised(path, image, depth, u16::to_be_bytes)?;
+    let mut bytes = Vec::new();
+    put_png(&mut bytes, &samples, path, image, depth)?;
+    Ok(bytes)
+}
+
+fn put_png(
+    out: impl io::Write,
+    samples: &[u8],
+    path: &Path,
+    image: &Image,
+    depth: Depth,
+) -> Result<(), IoError> {
+    let wrong = |e: png::EncodingError| match e {
+        png::EncodingError::IoError(source) => IoError::writing(path)(source),
+        other => IoError::writing(path)(io::Error::other(other.to_string())),
+    };
+    let (cols, rows) = size(path, image)?;
+    let mut info = png::Info::with_size(cols, rows);
+    info.color_type = ColorType::Rgb;
+    info.bit_depth = if depth == Depth::Eight { BitDepth::Eight } else { BitDepth::Sixteen };
+    let p3 = image.space() == ColorSpace::DisplayP3;
+    if p3 {
+        info.icc_profile = icc::profile(image.space()).map(Into::into);
+    }
+    let mut encoder = Encoder::with_info(out, info).map_err(wrong)?;
+    if !p3 {
+        encoder.set_source_srgb(SrgbRenderingIntent::Perceptual);
+    }
+    let mut writer = encoder.write_header().map_err(wrong)?;
+    if p3 {
+        // Primaries 12, transfer 13 (sRGB), no matrix, full range: ITU-T H.273.
+        writer.write_chunk(png::chunk::ChunkType(*b"cICP"), &[12, 13, 0, 1]).map_err(wrong)?;
+    }
+    writer.write_image_data(samples).map_err(wrong)?;
+    writer.finish().map_err(wrong)
 }
 
 /// As [`write_png`], as uncompressed TIFF with an embedded profile.

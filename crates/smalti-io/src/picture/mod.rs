@@ -10,7 +10,7 @@ mod tiff;
 use std::path::Path;
 
 pub use decoded::Picture;
-pub use encode::{Depth, write, write_png, write_tiff};
+pub use encode::{Depth, png_bytes, write, write_png, write_tiff};
 
 use crate::exr::rgb_from_bytes;
 use crate::{IoError, ReadOptions, file};

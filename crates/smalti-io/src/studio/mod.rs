@@ -77,6 +77,12 @@ pub fn learning() -> LearningSettings {
     LearningSettings { side: 5, size_px: 160, ..LearningSettings::default() }
 }
 
+/// The name in the catalogue of a scene of the studio.
+#[must_use]
+pub fn catalogue_name(id: &str) -> Option<&'static str> {
+    SCENES.iter().find(|scene| scene.id == id).map(|scene| scene.catalogue)
+}
+
 /// A file of the studio.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct StudioAsset {

@@ -141,6 +141,16 @@ impl<'a> Report<'a> {
         Ok(serde_json::to_string_pretty(&document)? + "\n")
     }
 
+    /// The number of the trial in the first row of the tables: the best one of the fewest colours in the first condition. `None` without trials.
+    ///
+    /// # Errors
+    /// When its design cannot be made.
+    pub fn first_best(&self) -> Result<Option<u64>, ReportError> {
+        let section = self.all.first().and_then(|(_, sections)| sections.first());
+        let found = section.and_then(|s| Some((s, *s.groups.iter().find_map(|g| g.best.first())?)));
+        found.map(|(section, row)| Ok(section.results.trial(row)?.number)).transpose()
+    }
+
     fn draw(&self, book: &mut Book<'_>) -> Result<(), ReportError> {
         let sections: Vec<&Section<'_>> = self.all.iter().flat_map(|(_, s)| s).collect();
         figures::together(&sections, book)?;

@@ -28,6 +28,24 @@ export function curvesCsv(curves) {
   return `${[columns.map((c) => c.name).join(","), ...rows].join("\n")}\n`;
 }
 
+/** The largest results that are read, bytes. */
+const MOST_RESULTS = 64_000_000;
+
+/** The cameras in `results.json` of `smalti compare`. @param {File} file @returns {Promise<import("./engine.js").Design[]>} */
+export async function camerasOfResults(file) {
+  if (file.size > MOST_RESULTS) throw new Error("it is larger than the results of a comparison");
+  /** @type {any} */
+  let results;
+  try {
+    results = JSON.parse(await file.text());
+  } catch {
+    throw new Error("it is no JSON");
+  }
+  const cameras = results?.cameras;
+  if (!Array.isArray(cameras) || cameras.length === 0) throw new Error("it holds no camera. Open results.json of `smalti compare`, or camera.toml of `smalti design`");
+  return cameras;
+}
+
 /** The step of a curve from a file, nm. */
 const STEP_NM = 5;
 

@@ -1,5 +1,6 @@
 // @ts-check
-// Improvement: the design becomes better step by step, under locks, until it is stopped or no step helps.
+// Improvement: the design becomes better step by step, under locks, until it is stopped or no step helps. With a server, the native library also searches
+// all mosaics of the tile from many starts.
 import { announce, byId, make } from "./dom.js";
 
 /** @typedef {import("./store.js").Store} Store */
@@ -12,20 +13,21 @@ export const familyOf = () => /** @type {any} */ (byId("family", HTMLSelectEleme
 /**
  * Sets up the panel. `luminance` is the light shown, `own` makes the design of a step one of the page.
  * @param {Store} store @param {Engine} engine @param {() => number} luminance @param {(design: import("./engine.js").Design) => import("./design.js").Camera} own
- * @param {(error: unknown) => void} fail
+ * @param {(error: unknown) => void} fail @param {ReturnType<typeof import("./native.js").setUpNative>} native
  */
-export function setUpImprove(store, engine, luminance, own, fail) {
+export function setUpImprove(store, engine, luminance, own, fail, native) {
   const place = byId("improve", HTMLDivElement);
   const light = make("select", {}, make("option", { value: "here" }, "at the light shown"), make("option", { value: "range" }, "from 1 to 100 cd/m²"));
   const family = make("select", { id: "family" }, make("option", { value: "free" }, "any smooth curves"), make("option", { value: "pigments" }, "pigments"), make("option", { value: "dichroic" }, "dichroic bands"));
   const keepMosaic = make("input", { type: "checkbox" });
   const button = make("button", { type: "button", class: "primary", "data-improve": "" }, "Improve");
+  const wide = make("button", { type: "button", "data-job": "", hidden: true, title: "All mosaics of the tile, each from many starts, with all processors of this computer" }, "Search widely");
   const discard = make("button", { type: "button", hidden: true }, "Discard");
   const state = make("p", { class: "hint progress", role: "status" }, "Starts from this design. Locked filters and cells stay as they are.");
   place.append(
     make("div", { class: "fields" }, make("label", { class: "field wide" }, make("span", {}, "Make it best"), light), make("label", { class: "field wide" }, make("span", {}, "Filters are"), family)),
     make("label", { class: "check" }, keepMosaic, "Keep the mosaic"),
-    make("div", { class: "row" }, button, discard), state,
+    make("div", { class: "row" }, button, wide, discard), state,
   );
 
   /** @type {AbortController | undefined} */
@@ -36,17 +38,27 @@ export function setUpImprove(store, engine, luminance, own, fail) {
   /** The step of the history with the result, while it can be discarded. @type {number | undefined} */
   let result;
 
-  /** @param {Step} step @param {import("./engine.js").Expected[]} before */
-  function words(step, before) {
-    if (step.cost >= step.own_cost) return `Step ${step.step}. Not yet better than the design that it began with`;
-    const gains = step.expected.map((e, i) => {
+  /** @typedef {Pick<import("./engine.js").Expected, "luminance_cd_m2" | "cpsnr_db" | "delta_e_2000">} Figures */
+  /** What is expected of a change. @param {Figures[]} after @param {Figures[]} before */
+  function gains(after, before) {
+    const all = after.map((e, i) => {
       const by = e.cpsnr_db - before[i].cpsnr_db;
       const color = e.delta_e_2000 - before[i].delta_e_2000;
       const signed = (/** @type {number} */ v) => `${v < 0 ? "−" : "+"}${Math.abs(v).toFixed(2)}`;
-      return `${step.expected.length > 1 ? `${Number(e.luminance_cd_m2.toPrecision(3))} cd/m²: ` : ""}${signed(by)} dB, ${signed(color)} ΔE2000`;
+      return `${after.length > 1 ? `${Number(e.luminance_cd_m2.toPrecision(3))} cd/m²: ` : ""}${signed(by)} dB, ${signed(color)} ΔE2000`;
     });
-    return `Step ${step.step}. Expected: ${gains.join("; ")}`;
+    return `Expected: ${all.join("; ")}`;
   }
+
+  /** @param {Step} step @param {import("./engine.js").Expected[]} before */
+  function words(step, before) {
+    if (step.cost >= step.own_cost) return `Step ${step.step}. Not yet better than the design that it began with`;
+    return `Step ${step.step}. ${gains(step.expected, before)}`;
+  }
+
+  const luminances = () => light.value === "here" ? [luminance()] : [1, 10, 100];
+  /** @returns {[number, number][]} */
+  const lockedCells = () => [...store.lockedCells].map((cell) => /** @type {[number, number]} */ (cell.split(",").map(Number)));
 
   async function run() {
     stop = new AbortController();
@@ -54,11 +66,8 @@ export function setUpImprove(store, engine, luminance, own, fail) {
     result = undefined;
     const key = `improvement ${runs}`;
     const begun = store.camera;
-    const locks = {
-      filters: [...store.lockedFilters], mosaic: keepMosaic.checked,
-      cells: [...store.lockedCells].map((cell) => /** @type {[number, number]} */ (cell.split(",").map(Number))),
-    };
-    const luminances = light.value === "here" ? [luminance()] : [1, 10, 100];
+    const locks = { filters: [...store.lockedFilters], mosaic: keepMosaic.checked, cells: lockedCells() };
+    const lights = luminances();
     button.textContent = "Stop and keep";
     discard.hidden = true;
     state.textContent = "Gathering what is known of the light…";
@@ -66,9 +75,9 @@ export function setUpImprove(store, engine, luminance, own, fail) {
     try {
       // A newer request of the page may come before this one.
       let before = null;
-      while (before === null) before = await engine.scores(begun, luminances);
+      while (before === null) before = await engine.scores(begun, lights);
       const { expected } = before;
-      const last = await engine.improve(begun, locks, luminances, (step) => {
+      const last = await engine.improve(begun, locks, lights, (step) => {
         if (signal.aborted) return;
         isOwn = true;
         if (step.cost < step.own_cost) store.change(own(step.design), "the improvement", key);
@@ -90,6 +99,35 @@ export function setUpImprove(store, engine, luminance, own, fail) {
     button.textContent = "Improve";
     discard.hidden = result === undefined;
   }
+
+  /** @param {NonNullable<Awaited<typeof native>>} server */
+  async function search(server) {
+    const begun = store.camera;
+    const found = await server.work("The search", { search: {
+      design: begun, filters: [...store.lockedFilters], cells: lockedCells(), mosaic: keepMosaic.checked, luminances_cd_m2: luminances(), family: family.value,
+    } });
+    if (!found) return;
+    const { said } = found;
+    const among = said.mosaics === 1 ? "One mosaic was searched" : `${said.mosaics} mosaics were searched`;
+    if (!said.is_better) {
+      state.textContent = `${among}. None is better than this design.`;
+      return;
+    }
+    const isChanged = store.camera !== begun;
+    stop?.abort();
+    isOwn = true;
+    store.change(own(said.design), "the search");
+    isOwn = false;
+    result = store.at;
+    discard.hidden = false;
+    state.textContent = `${among}. ${gains(said.expected, said.own_expected)}.${isChanged ? " Undo brings back what was changed meanwhile." : ""}`;
+    announce(state.textContent);
+  }
+  native.then((server) => {
+    if (!server) return;
+    wide.hidden = false;
+    wide.addEventListener("click", () => search(server));
+  });
 
   button.addEventListener("click", () => {
     if (stop) stop.abort();

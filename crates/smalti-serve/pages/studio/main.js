@@ -3,10 +3,11 @@
 import { announce, atFrame, byId, make, tell } from "./dom.js";
 import { withValue } from "./design.js";
 import { Engine } from "./engine.js";
-import { curvesCsv, fileName, save } from "./files.js";
+import { camerasOfResults, curvesCsv, fileName, save } from "./files.js";
 import { setUpFilters } from "./filters.js";
 import { familyOf, setUpImprove } from "./improve.js";
 import { setUpMosaic } from "./mosaic.js";
+import { offered, setUpNative } from "./native.js";
 import { isPhotograph, readPhotograph } from "./photographs.js";
 import { setUpPicture } from "./picture.js";
 import { setUpScores } from "./scores.js";
@@ -52,9 +53,13 @@ async function opened(engine) {
   } catch (error) {
     tell(`The design in the address cannot be opened: ${message(error)}.`, "trouble");
   }
-  const response = await fetch("start.toml");
-  if (!response.ok) throw new Error(`start.toml is missing: ${response.status}`);
-  return { camera: inFull(engine, await engine.parse(await response.text())) };
+  const file = async (/** @type {string} */ name) => {
+    const response = await fetch(name);
+    if (!response.ok) throw new Error(`${name} is missing: ${response.status}`);
+    return inFull(engine, await engine.parse(await response.text()));
+  };
+  const pinned = (await offered())?.pinned;
+  return { camera: await file("start.toml"), pinned: pinned ? await file(pinned) : undefined };
 }
 
 async function start() {
@@ -64,7 +69,7 @@ async function start() {
   const start = fitted(engine, first.camera);
   if (start.changed) tell(start.changed);
   const store = new Store(start.camera);
-  store.pinned = first.pinned ?? start.camera;
+  store.pinned = first.pinned ? fitted(engine, first.pinned).camera : start.camera;
 
   const scene = byId("scene", HTMLSelectElement);
   const light = byId("luminance", HTMLInputElement);
@@ -240,6 +245,7 @@ async function start() {
   /** @param {File} file */
   async function open(file) {
     if (isPhotograph(file)) return addPhotograph(file);
+    if (/\.json$/i.test(file.name)) return openResults(file);
     if (file.size > 4_000_000) return tell(`${file.name} is larger than a camera file or a table of a filter.`, "trouble");
     const text = await file.text();
     if (/\.(csv|txt)$/i.test(file.name)) return filters.take(file.name, text);
@@ -261,6 +267,16 @@ async function start() {
       scene.value = id;
       work.again();
       tell(`${name} is a scene of ${pixels.width} × ${pixels.height} pixels now, in daylight. Its spectra are estimated from its colours: smooth reflectances (Jakob and Hanika 2019). It stays in this browser.`);
+    } catch (error) {
+      tell(`${file.name}: ${message(error)}.`, "trouble");
+    }
+  }
+  /** Opens the cameras of a comparison: the first one, with the second one pinned. @param {File} file */
+  async function openResults(file) {
+    try {
+      const [own, other] = await camerasOfResults(file);
+      adopt(await engine.parse(await engine.camera_toml(own)), `opening ${file.name}`);
+      if (other) store.pin(fitted(engine, inFull(engine, await engine.parse(await engine.camera_toml(other)))).camera);
     } catch (error) {
       tell(`${file.name}: ${message(error)}.`, "trouble");
     }
@@ -288,7 +304,11 @@ async function start() {
 
   // ---- the design ----
 
-  setUpImprove(store, engine, luminance, (design) => inFull(engine, design), (error) => tell(`${message(error)}.`, "trouble"));
+  const native = setUpNative(() => ({
+    camera: store.camera, pinned: isPinned() ? undefined : store.pinned, scene: scene.value, luminance: luminance(),
+    isOwn: engine.scenes.some((s) => s.id === scene.value && s.set === "own"),
+  }));
+  setUpImprove(store, engine, luminance, (design) => inFull(engine, design), (error) => tell(`${message(error)}.`, "trouble"), native);
   const show = () => {
     if (document.activeElement !== name) name.value = store.camera.name;
     undo.setAttribute("aria-disabled", String(!store.canUndo));

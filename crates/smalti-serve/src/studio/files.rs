@@ -2,12 +2,19 @@
 
 use std::borrow::Cow;
 
+use serde_json::json;
 use smalti_io::studio::StudioAsset;
+
+use super::native;
 
 /// The page.
 pub(super) const PAGE: &str = "index.html";
 /// The camera with which the page opens, a camera file.
 pub const START: &str = "start.toml";
+/// The camera with which it is compared at first, a camera file, if there is one.
+pub const PINNED: &str = "pinned.toml";
+/// What the page can ask for.
+const OFFER: &str = "server.json";
 /// The folder of the simulator and its data.
 const ENGINE: &str = "engine";
 
@@ -44,7 +51,7 @@ macro_rules! embedded {
     };
 }
 
-static EMBEDDED: [(&str, &[u8]); 22] = embedded![
+static EMBEDDED: [(&str, &[u8]); 23] = embedded![
     "design.js",
     "dom.js",
     "engine-worker.js",
@@ -56,6 +63,7 @@ static EMBEDDED: [(&str, &[u8]); 22] = embedded![
     "lights.js",
     "main.js",
     "mosaic.js",
+    "native.js",
     "parts.css",
     "photographs.js",
     "picture.js",
@@ -72,15 +80,28 @@ static EMBEDDED: [(&str, &[u8]); 22] = embedded![
 /// The library as WebAssembly, deflated: `tools/wasm/build` makes it.
 static MODULE: &[u8] = include_bytes!("../../vendor/studio.wasm.deflate");
 
-/// All files of the page: `start` is the camera file with which it opens, `assets` is the light of its scenes behind its lens.
+/// All files of the page: `start` is the camera file with which it opens, `pinned` one that it is compared with, `assets` is the light of its scenes
+/// behind its lens. `is_served` says that a server with [`routes`](super::routes) stands behind it.
 #[must_use]
-pub fn files(start: &str, assets: Vec<StudioAsset>) -> Vec<PageFile> {
+pub fn files(start: &str, pinned: Option<&str>, assets: Vec<StudioAsset>, is_served: bool) -> Vec<PageFile> {
     let embedded = EMBEDDED.iter().map(|&(path, content)| (path.to_owned(), Cow::Borrowed(content)));
-    let start = (START.to_owned(), Cow::Owned(start.as_bytes().to_vec()));
+    let camera = |path: &str, text: &str| (path.to_owned(), Cow::Owned(text.as_bytes().to_vec()));
+    let cameras = std::iter::once(camera(START, start)).chain(pinned.map(|text| camera(PINNED, text)));
+    let offer = json!({
+        "native": is_served.then_some(native::PATH),
+        "most_message_bytes": native::MOST_MESSAGE_BYTES,
+        "pinned": pinned.map(|_| PINNED),
+    });
+    let offer = (OFFER.to_owned(), Cow::Owned(offer.to_string().into_bytes()));
     let module = (format!("{ENGINE}/studio.wasm.deflate"), Cow::Borrowed(MODULE));
     let assets =
         assets.into_iter().map(|asset| (format!("{ENGINE}/{}", asset.name), Cow::Owned(asset.bytes)));
-    embedded.chain([start, module]).chain(assets).map(|(path, content)| PageFile { path, content }).collect()
+    embedded
+        .chain(cameras)
+        .chain([offer, module])
+        .chain(assets)
+        .map(|(path, content)| PageFile { path, content })
+        .collect()
 }
 
 #[cfg(test)]
@@ -100,10 +121,11 @@ mod tests {
         assert_eq!(there, known);
         assert!(known.iter().any(|path| path == PAGE));
         let asset = StudioAsset { name: "scene.bin".into(), bytes: vec![1] };
-        let files = files("name = \"x\"", vec![asset]);
+        let files = files("name = \"x\"", None, vec![asset], true);
         let type_of = |path: &str| files.iter().find(|f| f.path == path).map(PageFile::media_type);
         assert_eq!(type_of("engine/scene.bin"), Some("application/octet-stream"));
         assert_eq!(type_of("main.js"), Some("text/javascript; charset=utf-8"));
+        assert_eq!(type_of(OFFER), Some("application/json"));
         assert_eq!(type_of(START), Some("text/plain; charset=utf-8"));
     }
 }

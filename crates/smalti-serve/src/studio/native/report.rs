@@ -1,0 +1,93 @@
+//! The comparison of two designs as a page.
+
+use smalti::camera::{Camera, ScoreSettings, TestScene, TrainingSettings};
+use smalti::experiment::{
+    Compared, ComparisonSettings, ExposurePolicy, IspKeys, Processing, Progress as _, camera_differences,
+    compare, contenders, numbered, pipelines, scene_lights,
+};
+use smalti::l3::Training;
+use smalti_io::studio;
+use smalti_io::test_scenes::{TestSet, test_scene};
+use smalti_report::comparison::{CameraArgument, CommandLine, Comparison, Conditions, page};
+use smalti_report::names;
+
+use super::capture::{LIGHT, SEED};
+use super::design::camera;
+use super::message::Report;
+use super::watch::Watch;
+use super::{Found, JobError, Native};
+
+/// Noise realisations of each scene, as by default of the command.
+const SEEDS: u64 = 3;
+
+/// A comparison as by `smalti compare`.
+pub(super) fn report(native: &Native, wanted: &Report, watch: &Watch) -> Result<Found, JobError> {
+    let cameras: Vec<Camera> =
+        std::iter::once(&wanted.design).chain(&wanted.rival).map(camera).collect::<Result<_, _>>()?;
+    let labels = numbered(cameras.iter().map(|c| c.description().name.clone()).collect());
+    let scenes = match &wanted.scene {
+        None => TestSet::default().scenes(&LIGHT)?,
+        Some(id) => vec![test_scene(studio::catalogue_name(id).ok_or(JobError::Broken)?, &LIGHT)?],
+    };
+    let (processing, resources) = ([Processing::L3], native.resources(watch));
+    let lights = scene_lights(&LIGHT, &scenes)?;
+    let training = Training { quality: wanted.quality, ..Training::default() };
+    let learning = (&TrainingSettings::default(), &training);
+    let none = cameras.iter().map(|_| None).collect();
+    let learned = pipelines(&cameras, &labels, none, &processing, learning, &lights, resources)?;
+    let (contenders, left_out) = contenders(&cameras, &labels, &learned, &processing)?;
+    let settings = ComparisonSettings {
+        luminances_cd_m2: wanted.luminances_cd_m2.clone(),
+        illuminant: LIGHT,
+        scenes,
+        seed: SEED,
+        seed_count: SEEDS,
+        score: ScoreSettings::default(),
+        exposure: ExposurePolicy::default(),
+    };
+    let Compared { outcomes, exposure, verdict } = compare(&contenders, &settings, resources)?;
+    watch.begin("writing");
+    let scene_labels: Vec<String> =
+        settings.scenes.iter().map(|s| s.name().split('?').next().unwrap_or_default().to_owned()).collect();
+    let own_light: Vec<bool> = settings.scenes.iter().map(TestScene::keeps_light).collect();
+    let files: Vec<String> =
+        names::file_names(labels.iter().map(String::as_str)).into_iter().map(|n| n + ".toml").collect();
+    let comparison = Comparison {
+        command: &command(wanted, &files),
+        cameras: &cameras,
+        labels: &labels,
+        contenders: &contenders,
+        left_out: &left_out,
+        outcomes: &outcomes,
+        conditions: Conditions {
+            exposure: exposure.applied(),
+            cameras: &cameras,
+            differences: &camera_differences(&cameras, IspKeys::Unused)?,
+            limiting: exposure.limiting(),
+            labels: &labels,
+        },
+        gains: &[],
+        scene_labels: &scene_labels,
+        own_light: &own_light,
+        illuminant: &LIGHT.name(),
+        seed: SEED,
+        verdict: &verdict,
+    };
+    let said = serde_json::json!({"verdict": comparison.verdict_text()});
+    Ok(Found { said, files: vec![("page", page(&comparison)?.into_bytes())] })
+}
+
+/// The command that makes the same page of the files of the cameras.
+fn command(wanted: &Report, files: &[String]) -> CommandLine {
+    let luminances: Vec<String> = wanted.luminances_cd_m2.iter().map(f64::to_string).collect();
+    let scene = wanted.scene.as_deref().and_then(studio::catalogue_name);
+    let mut words = vec!["compare".to_owned()];
+    words.extend_from_slice(files);
+    words.extend(["--luminance".to_owned(), luminances.join(",")]);
+    words.extend(scene.into_iter().flat_map(|name| ["--scene".to_owned(), name.to_owned()]));
+    if wanted.quality != Training::default().quality {
+        words.extend(["--quality".to_owned(), wanted.quality.name().to_owned()]);
+    }
+    let cameras = files.iter().map(|word| CameraArgument { word: word.clone(), is_built_in: false });
+    CommandLine { words, cameras: cameras.collect() }
+}
