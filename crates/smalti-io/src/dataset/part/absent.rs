@@ -5,11 +5,12 @@ use std::path::Path;
 use super::super::error::DatasetError;
 use super::super::manifest::Manifest;
 use super::super::schema::Column;
+use super::supported::check_supported;
 
 /// # Errors
 /// Always.
 pub fn encode(_: &Manifest, chunk: u64, _: &[Column]) -> Result<Vec<u8>, DatasetError> {
-    Ok(super::check_supported(Path::new(&format!("part {chunk}"))).map(|()| Vec::new())?)
+    Ok(check_supported(Path::new(&format!("part {chunk}"))).map(|()| Vec::new())?)
 }
 
 /// # Errors
@@ -21,5 +22,5 @@ pub fn part_from_bytes(
     _: u64,
     _: &[usize],
 ) -> Result<Vec<Column>, DatasetError> {
-    Ok(super::check_supported(path).map(|()| Vec::new())?)
+    Ok(check_supported(path).map(|()| Vec::new())?)
 }

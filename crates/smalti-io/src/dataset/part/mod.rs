@@ -11,6 +11,7 @@ mod encode;
 mod marks;
 #[cfg(feature = "parquet")]
 mod schema;
+mod supported;
 #[cfg(all(test, feature = "parquet"))]
 mod tests;
 
@@ -23,11 +24,12 @@ pub use decode::part_from_bytes;
 #[cfg(feature = "parquet")]
 pub use encode::encode;
 pub(super) use marks::{quick_check, stated_hash};
+pub(super) use supported::check_supported;
 
 use super::error::DatasetError;
 use super::manifest::Manifest;
 use super::schema::Column;
-use crate::{IoError, file};
+use crate::file;
 
 /// Maximum size of a part, bytes.
 pub(super) const LIMIT: u64 = 4 << 30;
@@ -40,12 +42,4 @@ pub(super) fn read(
     columns: &[usize],
 ) -> Result<Vec<Column>, DatasetError> {
     part_from_bytes(file::read(path, LIMIT)?, path, manifest, chunk, columns)
-}
-
-/// Refuses a folder of results in a build that cannot write or read their parts.
-pub(super) fn check_supported(dir: &Path) -> Result<(), IoError> {
-    if cfg!(feature = "parquet") {
-        return Ok(());
-    }
-    Err(IoError::LeftOut { path: dir.to_owned(), format: "results of studies (Parquet)", feature: "parquet" })
 }
