@@ -26,7 +26,6 @@ try {
     await page.getByLabel("Start from").selectOption("rgbw");
     await page.getByLabel("Name of the design").fill("rgbw");
     await page.getByLabel("Name of the design").press("Enter");
-    await page.getByLabel("Light", { exact: true }).fill("0");
     if (view === "split") await page.getByLabel("Against").selectOption("pin");
     if (view === "map") await page.getByRole("button", { name: "Difference" }).click();
     // The curves of both designs, which follow the picture.

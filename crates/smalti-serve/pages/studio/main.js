@@ -107,17 +107,18 @@ async function start() {
 
   const isPinned = () => store.pinned !== undefined && JSON.stringify(store.pinned) === JSON.stringify(store.camera);
   const showScores = () => scores.show(own, store.pinned && !isPinned() ? pin : undefined);
-  let drawnMs = 0;
+  let [drawnWhat, drawnMs] = ["", 0];
   const caption = (/** @type {Picture} */ p) => `${store.camera.name} · exposed for ${Number(p.exposure_ms.toPrecision(3))} ms · drawn in ${Math.round(drawnMs)} ms`;
   /** Whether the message shown is about a design that could not be drawn. */
   let hasFailed = false;
   const compute = setUpWork(engine, () => ({ camera: store.camera, pinned: store.pinned, scene: scene.value, luminance: luminance(), family: familyOf() }), picture.needsPin, {
-    picture(drawn) {
+    picture(drawn, wanted) {
       wait.hidden = true;
       if (hasFailed) tell("");
       hasFailed = false;
-      // Scores take longer than the picture.
-      if (!drawn.scores) drawnMs = drawn.timings_ms.total;
+      // Scores take longer than the picture, and a picture that is there is not drawn again.
+      const what = JSON.stringify([wanted.camera, wanted.scene, wanted.luminance]);
+      if (!drawn.scores && what !== drawnWhat) [drawnWhat, drawnMs] = [what, drawn.timings_ms.total];
       picture.showOwn(drawn, caption(drawn));
       if (!drawn.scores) return;
       own.picture = drawn;

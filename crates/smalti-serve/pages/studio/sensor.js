@@ -114,7 +114,7 @@ export function setUpSensor(store, engine, adopt) {
     const input = make("input", { id, type: "number", min, max, step: "any", input: () => { if (!isLens) take(); }, change: () => {
       if (isLens) take();
       store.end();
-    }, keydown: (/** @type {KeyboardEvent} */ event) => {
+    }, blur: () => { input.value = shown(get(store.camera)); }, keydown: (/** @type {KeyboardEvent} */ event) => {
       if (event.key !== "ArrowUp" && event.key !== "ArrowDown") return;
       event.preventDefault();
       const by = (event.key === "ArrowUp" ? 1 : -1) * step * (event.shiftKey ? 10 : 1);
