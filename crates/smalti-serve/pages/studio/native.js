@@ -264,14 +264,16 @@ export async function setUpNative(shown) {
     async report() {
       const { camera, pinned, luminance, scene, isOwn } = shown();
       if (isOwn && extent.value !== "all") return refuse();
+      // Designs of one name would be numbered.
+      const rival = pinned && (pinned.name === camera.name ? { ...pinned, name: `${pinned.name} (pinned)` } : pinned);
       const report = {
-        design: camera, rival: pinned, scene: extent.value === "all" ? null : scene, luminances_cd_m2: extent.value === "range" ? [1, 10, 100] : [luminance],
+        design: camera, rival, scene: extent.value === "all" ? null : scene, luminances_cd_m2: extent.value === "range" ? [1, 10, 100] : [luminance],
         quality: quality.value,
       };
       const result = await work("The report", { report });
       if (!result) return;
       save(fileName(`${camera.name} report`, "html"), result.files.page);
-      verdict.textContent = result.said.verdict;
+      verdict.textContent = result.said.verdict.replaceAll(/ {2,}/g, " ");
       verdict.hidden = result.said.verdict === "";
     },
   };
