@@ -8,7 +8,7 @@ import sys
 from array import array
 from pathlib import Path
 
-# The share of samples of a capture that differ. Where the last bit of a mean decides whether a Poisson deviate is accepted, another one is
+# The share of samples of a capture that differ. Where the last bits of a mean decide whether a Poisson deviate is accepted, another one is
 # drawn, and the sample differs by as much as noise.
 SHARE = 2e-4
 # A figure, in parts of itself, or of 1 where it is smaller.
