@@ -64,9 +64,6 @@ pub(crate) fn digest(words: impl IntoIterator<Item = u64>) -> u64 {
 
 #[cfg(test)]
 mod tests {
-    use rustfft::FftPlannerScalar;
-    use rustfft::num_complex::Complex32;
-
     use super::*;
 
     #[test]
@@ -81,6 +78,9 @@ mod tests {
     #[cfg(target_arch = "x86_64")]
     #[test]
     fn a_transform_with_fused_multiply_adds_has_other_bits() {
+        use rustfft::FftPlannerScalar;
+        use rustfft::num_complex::Complex32;
+
         let fused = std::arch::is_x86_feature_detected!("avx") && std::arch::is_x86_feature_detected!("fma");
         for len in SIZES.iter().flat_map(|&(rows, cols)| [rows, cols]) {
             let mut random = Stream::new(2, 0, len as u32);
