@@ -70,14 +70,13 @@ fn it_opens_with_what_a_sweep_or_a_comparison_wrote() {
     let text = |file: &str| String::from_utf8(place.read(file)).unwrap();
     assert_eq!(name(&text("of-swept/start.toml")), name(&place.ok(&format!("report swept --camera {best}"))));
     // The first camera, and the second one pinned.
-    let cameras: Vec<serde_json::Value> =
-        ["rgbw", "bayer", "phone"]
-            .map(|camera| {
-                serde_json::from_str::<serde_json::Value>(&place.ok(&format!("show {camera} --json")))
+    let cameras: Vec<serde_json::Value> = ["rgbw", "bayer", "phone"]
+        .map(|camera| {
+            serde_json::from_str::<serde_json::Value>(&place.ok(&format!("show {camera} --json")))
                     .unwrap()["description"]
                     .clone()
-            })
-            .to_vec();
+        })
+        .to_vec();
     std::fs::create_dir(place.path("compared")).unwrap();
     place.write("compared/results.json", serde_json::json!({"cameras": cameras}).to_string());
     let run = place.run(&["studio", "compared", "--export", "of-compared"]);
