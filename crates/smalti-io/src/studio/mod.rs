@@ -5,7 +5,7 @@
 //! | `manifest.json` | the setup, the camera to begin with, the scenes, and the names of the other files |
 //! | `training.bin` | [`LiveTraining`](smalti::design::live::LiveTraining): the light that pipelines are learned from |
 //! | `SCENE.bin` | [`LiveScene`]: the light of a scene |
-//! | `statistics.bin` | [`LightStatistics`](smalti::design::light::LightStatistics), as in a `.light` file |
+//! | `statistics.bin` | [`LightStatistics`], as in a `.light` file |
 //!
 //! All but the manifest are deflated. The light is quantised to a thousandth of the brightest pixel; each number is stored as its difference from what its
 //! neighbours predict.
