@@ -134,10 +134,10 @@ test("an improvement goes on until it is stopped, keeps what is locked, and can 
 test("heavy work goes to the native library, can be cancelled, and its files open in the command", async () => {
   const { page, faults, close } = await open();
   const panel = page.locator("#native-panel");
-  const done = (title) => page.waitForFunction((text) => document.querySelector("#native [role=status]").textContent.startsWith(text), `${title} is done`, { timeout: 240_000 });
+  const done = (title) => page.waitForFunction((text) => document.querySelector("#native [data-state]").textContent.startsWith(text), `${title} is done`, { timeout: 240_000 });
   // A table takes a scene after the other.
   await page.getByRole("button", { name: "Full-size picture" }).click();
-  await page.waitForFunction(() => /training .*, \d+ of \d+/.test(document.querySelector("#native [role=status]").textContent), null, { timeout: 60_000 });
+  await page.waitForFunction(() => /training .*, \d+ of \d+/.test(document.querySelector("#native [data-state]").textContent), null, { timeout: 60_000 });
   assert.equal(await page.getByRole("button", { name: "Full-size picture" }).getAttribute("aria-disabled"), "true", "one job at a time");
   const begun = Date.now();
   await panel.getByRole("button", { name: "Cancel" }).click();
@@ -204,7 +204,7 @@ test("when the server ends, the page says so and goes on", async () => {
   const { page, faults, close } = await open({}, JSON.parse(line).address);
   await page.getByLabel("Read noise").fill("4");
   await page.getByRole("button", { name: "Full-size picture" }).click();
-  await page.waitForFunction(() => /training/.test(document.querySelector("#native [role=status]").textContent), null, { timeout: 60_000 });
+  await page.waitForFunction(() => /training/.test(document.querySelector("#native [data-state]").textContent), null, { timeout: 60_000 });
   const ended = once(own, "exit");
   own.kill("SIGKILL");
   await ended;

@@ -127,7 +127,8 @@ export async function setUpNative(shown) {
   const items = [...document.querySelectorAll("[data-native]")].filter((item) => item instanceof HTMLButtonElement);
   /** @type {AbortController | undefined} */
   let stop;
-  const state = make("p", { class: "hint", role: "status" });
+  // Its begin and end are announced; every step would be too much.
+  const state = make("p", { class: "hint", "data-state": "" });
   const bar = make("progress", { "aria-label": "Progress of the computation", hidden: true });
   const cancel = make("button", { type: "button", hidden: true }, "Cancel");
   const show = () => {
@@ -175,7 +176,7 @@ export async function setUpNative(shown) {
           bar.max = of;
           bar.value = done;
         }
-        state.textContent = `${title}: ${step}${of > 0 ? `, ${done} of ${of}` : ""}`;
+        state.textContent = `${title}: ${[step, of > 0 && `${done} of ${of}`].filter(Boolean).join(", ") || "…"}`;
       }, stop.signal);
       const notes = result.said.notes.map((/** @type {string} */ note) => ` ${note}.`).join("");
       state.textContent = `${title} is done.${notes}`;

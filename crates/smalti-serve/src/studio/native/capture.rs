@@ -13,9 +13,10 @@ use smalti_io::picture::{self, Depth};
 use smalti_io::{SceneRequest, l3, memory, scenes, studio};
 
 use super::design::camera;
+use super::error::JobError;
+use super::material::{Found, Native};
 use super::message::Capture;
 use super::watch::Watch;
-use super::{Found, JobError, Native};
 
 /// The illuminant of the scenes of the page.
 pub(super) const LIGHT: Illuminant = Illuminant::D65;

@@ -8,7 +8,7 @@ use smalti::camera::Camera;
 use smalti::camera::description::{CameraDescription, PatternDescription};
 use smalti_io::{TomlSource, designs};
 
-use super::JobError;
+use super::error::JobError;
 
 /// The largest side of a tile, as on the page.
 const MOST_SIDE: usize = 16;

@@ -7,7 +7,7 @@ use serde_json::Value;
 use smalti::l3::Quality;
 use thiserror::Error;
 
-use super::JobError;
+use super::error::JobError;
 
 /// The longest message of the page, bytes. The largest design of the page, 16 × 16 cells and 26 sampled filters, takes less than a tenth of it.
 pub const MOST_MESSAGE_BYTES: usize = 1 << 20;

@@ -13,9 +13,10 @@ use smalti_report::names;
 
 use super::capture::{LIGHT, SEED};
 use super::design::camera;
+use super::error::JobError;
+use super::material::{Found, Native};
 use super::message::Report;
 use super::watch::Watch;
-use super::{Found, JobError, Native};
 
 /// Noise realisations of each scene, as by default of the command.
 const SEEDS: u64 = 3;

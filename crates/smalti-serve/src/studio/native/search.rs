@@ -11,16 +11,15 @@ use smalti::design::search::{
     Annealing, Dichroic, FilterSpace, FreeCurves, LayoutRules, Objective, Over, Pigments, SearchSettings,
     Tolerance,
 };
-use smalti::design::{DesignError, MosaicFamily, Symmetry, Tile};
-use smalti::experiment::{DesignTask, DesignedCfa, design, light_statistics};
 use smalti::sensor::Filter;
 use smalti::spectrum::Spectrum;
 
 use super::capture::LIGHT;
 use super::design::camera;
+use super::error::JobError;
+use super::material::{Found, Native};
 use super::message::{Family, Search};
 use super::watch::Watch;
-use super::{Found, JobError, Native};
 
 /// The longest exposure of cameras that state no time, s, and the weight of a unit of CIEDE2000 beside a decibel, as in the built-in designs and
 /// on the page.
@@ -191,10 +190,4 @@ fn described(camera: &Camera, kept: &Kept, best: &DesignedCfa) -> Result<CameraD
         ..CfaDescription::default()
     };
     Ok(description)
-}
-
-impl From<smalti::spectrum::SpectrumError> for JobError {
-    fn from(error: smalti::spectrum::SpectrumError) -> Self {
-        Self::Design(DesignError::from(smalti::camera::CameraError::from(error)))
-    }
 }

@@ -12,9 +12,11 @@ use futures_util::{SinkExt, StreamExt};
 use tokio::sync::Notify;
 use tokio::sync::mpsc::{UnboundedSender, unbounded_channel};
 
+use super::error::JobError;
+use super::jobs;
+use super::material::{Found, Native};
 use super::message::{FileSaid, Job, MOST_MESSAGE_BYTES, Request, Said};
 use super::watch::Watch;
-use super::{Found, JobError, Native};
 
 /// Time between two reports of progress.
 const REPORT: Duration = Duration::from_millis(150);
@@ -153,7 +155,7 @@ impl Session {
             return Err(JobError::Stopped);
         };
         let (native, watch) = (self.native.clone(), running.watch.clone());
-        let mut work = tokio::task::spawn_blocking(move || native.run(&job, &watch));
+        let mut work = tokio::task::spawn_blocking(move || jobs::run(&native, &job, &watch));
         let mut told = None;
         loop {
             match select(&mut work, Box::pin(tokio::time::sleep(REPORT))).await {
