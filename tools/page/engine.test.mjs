@@ -2,9 +2,9 @@
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
 import { createServer } from "node:http";
-import { mkdtemp, readFile, rm } from "node:fs/promises";
+import { mkdtemp, readFile, rm, writeFile } from "node:fs/promises";
 import { tmpdir } from "node:os";
-import { basename, extname, join, resolve } from "node:path";
+import { basename, dirname, extname, join, resolve } from "node:path";
 import { after, before, test } from "node:test";
 import { launch } from "./browser.mjs";
 
@@ -165,6 +165,51 @@ test("the light behind another lens is gathered once, and designs of both lenses
   assert.ok(found.waits && found.same && found.differs && found.again, JSON.stringify(found));
   assert.equal(found.array, 0);
   assert.ok(found.expected > 10, String(found.expected));
+});
+
+test("pictures have the bytes of the native library, and scores its numbers", async () => {
+  const luminance = 4;
+  const [scene, designs] = await page.evaluate(() => {
+    const other = structuredClone(with_filter("G", { gaussian: { center_nm: 545, sigma_nm: 30, peak: 0.9 } }));
+    other.sensor.cfa.pattern = ["GRGB", "BGRG", "RGBG", "GBGR"];
+    return [engine.scenes[1].id, [camera, other]];
+  });
+  const requests = designs.flatMap((design) => [
+    { draw: { design, scene, luminance_cd_m2: luminance, seed: 7 } },
+    { measure: { design, scene, luminance_cd_m2: luminance, seed: 7 } },
+    { scores: { design, luminances_cd_m2: [luminance, 80] } },
+  ]);
+  const out = await mkdtemp(join(dir, "native-"));
+  await writeFile(join(out, "requests.json"), JSON.stringify(requests));
+  execFileSync(join(dirname(maker), "studio_answers"), [dir, join(out, "requests.json"), out]);
+  const answers = await Promise.all(requests.map(async (_, i) => {
+    const bytes = await readFile(join(out, String(i)));
+    const length = bytes.readUInt32LE(0);
+    return { said: JSON.parse(bytes.subarray(4, 4 + length)), bytes: bytes.subarray(4 + length) };
+  }));
+  // The largest difference between two numbers at the same place, relative to the larger of both and 1.
+  const apart = (a, b, at = "") => {
+    if (typeof a === "number" && typeof b === "number") return Math.abs(a - b) / Math.max(1, Math.abs(a), Math.abs(b));
+    if (typeof a !== "object" || a === null) { assert.equal(a, b, at); return 0; }
+    assert.deepEqual(Object.keys(a).sort(), Object.keys(b).sort(), at);
+    return Math.max(0, ...Object.keys(a).map((key) => apart(a[key], b[key], `${at}.${key}`)));
+  };
+  let most = 0;
+  for (const [i, design] of designs.entries()) {
+    const found = await page.evaluate(async ({ design, scene, luminance }) => {
+      const picture = await engine.draw({ design, scene, luminance, measure: true, seed: 7 });
+      const scores = await engine.scores(design, [luminance, 80]);
+      return { rgba: [...picture.rgba], scores: picture.scores, difference: [...picture.difference], figures: scores };
+    }, { design, scene, luminance });
+    const [draw, measure, scores] = answers.slice(3 * i, 3 * i + 3);
+    assert.equal(Buffer.compare(Buffer.from(found.rgba), draw.bytes), 0, "the same bytes");
+    most = Math.max(most, apart(found.scores, measure.said), apart(found.figures, scores.said));
+    const native = new Float32Array(measure.bytes.buffer.slice(measure.bytes.byteOffset, measure.bytes.byteOffset + measure.bytes.length));
+    assert.equal(native.length, found.difference.length);
+    most = native.reduce((sum, v, k) => Math.max(sum, Math.abs(v - found.difference[k])), most);
+  }
+  console.log(`# largest difference of a score from the native library: ${most.toExponential(1)}`);
+  assert.ok(most <= 1e-6, String(most));
 });
 
 test("of many calls the latest counts", async () => {

@@ -158,7 +158,7 @@ fn all_light(bare: &Camera, cache: &Cache, common: &Common) -> anyhow::Result<Ve
 fn keep_all(bare: &Camera, cache: &Cache) {
     let Ok(key) = key(bare) else { return };
     let Ok(pool) = rayon::ThreadPoolBuilder::new().num_threads(1).build() else { return };
-    if let Ok(light) = pool.install(|| smalti_io::studio::assets(bare, &Silent)) {
+    if let Some(light) = pool.install(|| smalti_io::studio::assets(bare, &Silent).ok()) {
         cache.keep_studio_assets(&key, &light);
     }
 }

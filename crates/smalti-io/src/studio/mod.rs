@@ -4,7 +4,7 @@
 //! |---|---|
 //! | `manifest.json` | the setup, the camera to begin with, the scenes, and the names of the other files |
 //! | `training.bin` | [`LiveTraining`](smalti::design::live::LiveTraining): the light that pipelines are learned from |
-//! | `SCENE.bin` | [`LiveScene`]: the light of a scene |
+//! | `SCENE.bin` | [`LiveScene`](smalti::design::live::LiveScene): the light of a scene |
 //! | `statistics.bin` | [`LightStatistics`](smalti::design::light::LightStatistics), as in a `.light` file |
 //! | `NAME.jpg`, `NAME.spc` | [`sources`]: what the page gathers the light behind another lens from |
 //!

@@ -37,7 +37,7 @@ pub enum EngineError {
     /// A file of the assets is damaged.
     File(IoError),
     /// The light behind a lens cannot be gathered.
-    Light(StudioAssetError),
+    Light(Box<StudioAssetError>),
 }
 
 impl fmt::Display for EngineError {
@@ -72,4 +72,10 @@ macro_rules! from {
     };
 }
 
-from!(serde_json::Error => Request, Box<Diagnostic> => Text, CameraError => Camera, DesignError => Design, IoError => File, StudioAssetError => Light);
+from!(serde_json::Error => Request, Box<Diagnostic> => Text, CameraError => Camera, DesignError => Design, IoError => File);
+
+impl From<StudioAssetError> for EngineError {
+    fn from(error: StudioAssetError) -> Self {
+        Self::Light(Box::new(error))
+    }
+}
