@@ -11,6 +11,8 @@ use smalti::design::search::{
     Annealing, Dichroic, FilterSpace, FreeCurves, LayoutRules, Objective, Over, Pigments, SearchSettings,
     Tolerance,
 };
+use smalti::design::{MosaicFamily, Symmetry, Tile};
+use smalti::experiment::{DesignTask, DesignedCfa, design, light_statistics};
 use smalti::sensor::Filter;
 use smalti::spectrum::Spectrum;
 
