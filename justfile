@@ -53,6 +53,19 @@ deny:
 fuzz *args:
     tools/fuzz {{args}}
 
+# Tries every 400th mutant of what Smalti computes, or of another share: `just mutants 3/1000`.
+mutants shard="0/400":
+    command -v cargo-mutants >/dev/null || cargo install --locked cargo-mutants
+    cargo mutants -p smalti --sharding round-robin --shard {{shard}}
+
+# Runs the tests of the crates with unsafe code under the address sanitizer, all or some: `just sanitize l3::render`.
+sanitize *filters:
+    tools/sanitize {{filters}}
+
+# Compares what processors with and without AVX and arm64 compute.
+portable:
+    tools/portable
+
 # Regenerates the tables of published data.
 tables:
     python3 tools/generate_tables.py

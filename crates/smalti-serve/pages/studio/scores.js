@@ -46,13 +46,18 @@ const FIGURES = {
 /** @param {number} value @param {number} digits */
 const text = (value, digits) => value.toFixed(digits).replace("-", "−");
 
-/** Words for a change of a score. @param {Score} score @param {number} from @param {number} to */
-function change(score, from, to) {
+/**
+ * Words for a change of a score, of which the bar is that of `bar`. A change below the smallest relevant one is neither better nor worse.
+ * @param {Score} score @param {number} from @param {number} to @param {number} length
+ */
+function change(score, from, to, length) {
   const by = Number((to - from).toFixed(score.digits));
   if (by === 0) return { shown: "±0", said: "as pinned", kind: "same" };
-  const isBetter = Math.sign(by) === score.better;
   const amount = text(Math.abs(by), score.digits);
-  return { shown: `${by > 0 ? "+" : "−"}${amount} ${isBetter ? "better" : "worse"}`, said: `${amount} ${isBetter ? "better" : "worse"} than pinned`, kind: isBetter ? "better" : "worse" };
+  const shown = `${by > 0 ? "+" : "−"}${amount}`;
+  if (Math.abs(length) * BAR_END < 1) return { shown, said: `${amount} ${by > 0 ? "more" : "less"} than pinned, which is not relevant`, kind: "same" };
+  const kind = length > 0 ? "better" : "worse";
+  return { shown: `${shown} ${kind}`, said: `${amount} ${kind} than pinned`, kind };
 }
 
 /**
@@ -140,13 +145,14 @@ export function setUpScores(relevances) {
         const before = pin && score.get(pin);
         const isKnown = typeof now === "number" && Number.isFinite(now);
         value.textContent = isKnown ? text(now, score.digits) : "–";
-        const difference = isKnown && typeof before === "number" && Number.isFinite(before) ? change(score, before, now) : undefined;
+        const isCompared = isKnown && typeof before === "number" && Number.isFinite(before);
+        const length = isCompared ? bar(score, before, now, relevances[score.metric]) : 0;
+        const difference = isCompared ? change(score, before, now, length) : undefined;
         delta.replaceChildren(...(difference ? [make("span", { "aria-hidden": "true" }, difference.shown), make("span", { class: "unseen" }, difference.said)] : []));
         delta.dataset.kind = difference?.kind ?? "";
-        const length = difference ? bar(score, Number(before), Number(now), relevances[score.metric]) : 0;
         fill.setAttribute("x", String(50 + Math.min(length, 0) * 50));
         fill.setAttribute("width", String(Math.abs(length) * 50));
-        gauge.dataset.kind = Math.abs(length) * BAR_END < 1 ? "same" : length > 0 ? "better" : "worse";
+        gauge.dataset.kind = difference?.kind ?? "same";
         if (isKnown && said.length < 3) said.push(`${score.label} ${text(now, score.digits)} ${score.unit}${difference && difference.kind !== "same" ? `, ${difference.said}` : ""}`);
       }
       return said.join("; ");
