@@ -71,6 +71,7 @@ fn another_infrared_cut_turns_no_rank_with_classic_processing() {
 
 /// The same with learned pipelines, which are the default.
 #[test]
+#[ignore = "takes minutes; `just rankings` runs it"]
 fn another_infrared_cut_turns_no_rank_with_learned_pipelines() {
     ranks_are_those_of_another_filter("--scene photo-astronaut");
 }

@@ -10,7 +10,8 @@ use smalti::experiment::{Progress, Resources, light_statistics};
 use smalti::scene::Scene;
 use smalti::spectrum::{Illuminant, Spectrum, WavelengthGrid};
 
-use super::{COMPONENTS, SCENES, StudioAsset, StudioAssetError};
+use super::asset::{StudioAsset, StudioAssetError};
+use super::scenes::{COMPONENTS, SCENES};
 use crate::error::At;
 use crate::rendered::{self, training};
 use crate::test_scenes::under;

@@ -11,9 +11,11 @@
 //! All but the manifest and the sources are deflated. The light is quantised to a thousandth of the brightest pixel; each number is stored as its difference from what its
 //! neighbours predict.
 
+mod asset;
 mod file;
 mod lens;
 mod residuals;
+mod scenes;
 
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -23,94 +25,25 @@ use flate2::Compression;
 use flate2::write::DeflateEncoder;
 use rayon::prelude::*;
 use serde_json::json;
-use smalti::camera::{Camera, CameraError};
+use smalti::camera::Camera;
 use smalti::design::LearningSettings;
 use smalti::design::live::LiveSetup;
 use smalti::experiment::{ExperimentError, Progress};
 use smalti::spectrum::Illuminant;
-use thiserror::Error;
 
+use self::scenes::{SCENES, StudioScene};
+
+pub use asset::{StudioAsset, StudioAssetError};
 pub use file::{scene_from_bytes, scene_to_bytes, training_from_bytes, training_to_bytes};
 pub use lens::{TrainingFiles, scene_light, sources, statistics_of_light, training_light};
+pub use scenes::catalogue_name;
 
-use crate::{IoError, light, rendered};
-
-/// Spectral components of scenes and of the training scene. They describe natural surfaces in daylight to a few thousandths.
-const COMPONENTS: usize = 8;
-
-/// A scene of the studio.
-struct StudioScene {
-    id: &'static str,
-    /// Its name in the catalogue.
-    catalogue: &'static str,
-    /// Its name for people.
-    name: &'static str,
-}
-
-impl StudioScene {
-    const fn new(id: &'static str, catalogue: &'static str, name: &'static str) -> Self {
-        Self { id, catalogue, name }
-    }
-
-    fn is_photograph(&self) -> bool {
-        self.catalogue.starts_with("photo-")
-    }
-
-    /// The name of its source, for a photograph.
-    fn source(&self) -> Option<String> {
-        self.is_photograph().then(|| format!("{}.jpg", self.catalogue))
-    }
-}
-
-/// The scenes. The first is shown first.
-static SCENES: [StudioScene; 5] = [
-    StudioScene::new("brushes", "photo-brushes", "Paint brushes"),
-    StudioScene::new("spices", "photo-spices", "Spices"),
-    StudioScene::new("dahlia", "photo-dahlia", "Dahlia"),
-    StudioScene::new("colorchecker", "macbeth", "ColorChecker"),
-    StudioScene::new("leaves", "dead-leaves", "Dead leaves"),
-];
+use crate::{light, rendered};
 
 /// How the studio learns: with smaller patches and a smaller training scene than a study, so that a mosaic takes a fraction of a second.
 #[must_use]
 pub fn learning() -> LearningSettings {
     LearningSettings { side: 5, size_px: 160, ..LearningSettings::default() }
-}
-
-/// The name in the catalogue of a scene of the studio.
-#[must_use]
-pub fn catalogue_name(id: &str) -> Option<&'static str> {
-    SCENES.iter().find(|scene| scene.id == id).map(|scene| scene.catalogue)
-}
-
-/// A file of the studio.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct StudioAsset {
-    /// Its name, without a folder.
-    pub name: String,
-    /// Its content, as it is served.
-    pub bytes: Vec<u8>,
-}
-
-/// Why there are no files.
-#[derive(Debug, Error)]
-#[non_exhaustive]
-pub enum StudioAssetError {
-    /// The camera is invalid, or does not image a scene.
-    #[error(transparent)]
-    Camera(#[from] CameraError),
-    /// The statistics cannot be gathered.
-    #[error(transparent)]
-    Experiment(#[from] ExperimentError),
-    /// A scene cannot be read, or a file not be made.
-    #[error(transparent)]
-    Io(#[from] IoError),
-    /// There is no such scene.
-    #[error("there is no scene '{0}'")]
-    NoScene(String),
-    /// A scene that needs its source came without it.
-    #[error("scene '{0}': its source is missing; expected the file that the manifest names")]
-    NoSource(String),
 }
 
 /// Which light is gathered.

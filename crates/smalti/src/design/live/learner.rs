@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 
 use super::setup::{LiveSetup, LiveTraining};
-use super::targets::TargetLight;
+use super::target_light::TargetLight;
 use crate::camera::description::{CameraDescription, CfaDescription, IspDescription};
 use crate::camera::stable_text::stable_text;
 use crate::camera::{Camera, CameraError};

@@ -7,6 +7,7 @@
 mod learner;
 mod pictures;
 mod setup;
+mod target_light;
 mod targets;
 
 pub use learner::{LiveDesign, LiveLearner};

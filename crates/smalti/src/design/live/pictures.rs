@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::learner::LiveDesign;
 use super::setup::LiveScene;
-use super::targets::metered;
+use super::target_light::metered;
 use crate::camera::chart::LUMINANCE;
 use crate::camera::score::ReferenceToScore;
 use crate::camera::{Camera, CameraError, PictureScores, ScoreSettings};

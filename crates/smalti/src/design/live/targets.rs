@@ -3,18 +3,15 @@
 use serde::Serialize;
 
 use super::learner::{LiveDesign, LiveLearner};
+use super::target_light::TargetLight;
 use crate::camera::chart::{GREYS, LUMINANCE, patches};
-use crate::camera::description::AutoExposureName;
 use crate::camera::target::{EDGE_REGION, edge_mtf50};
-use crate::camera::{COMPARED_NOISE_CAPTURES, Camera, CameraError};
+use crate::camera::{COMPARED_NOISE_CAPTURES, CameraError};
 use crate::design::imaged_scene::ImagedScene;
-use crate::design::pixel_light::PixelLight;
-use crate::design::preview::PreviewScene;
 use crate::isp::Isp;
 use crate::metrics::luminance_noise::luminance_noise_of_captures;
 use crate::metrics::{MetricError, Rect};
 use crate::sensor::{Exposure, NoiseMode};
-use crate::spectrum::{Spectrum, WavelengthGrid};
 
 /// The resolution and the noise of a design with its learned pipeline, as `smalti compare` measures them. The fields have the names of the
 /// catalogue of metrics. A figure is `None` where it cannot be measured, as on an edge that saturates.
@@ -31,53 +28,6 @@ pub struct LiveTargetScores {
     /// `100 · std(Y) / mean(Y)` on the grey patches of the ColorChecker, percent: the mean over patches and over
     /// [`COMPARED_NOISE_CAPTURES`] captures.
     pub luminance_noise_percent: Option<f64>,
-}
-
-/// The light of a target on bare pixels.
-#[derive(Debug)]
-pub(super) struct TargetLight {
-    pub(super) light: PixelLight,
-    metered: Option<Vec<f64>>,
-}
-
-impl TargetLight {
-    /// # Errors
-    /// When the parts of the light do not fit each other.
-    pub(super) fn new(scene: &PreviewScene, grid: WavelengthGrid) -> Result<Self, CameraError> {
-        Ok(Self { light: scene.light.light(grid)?, metered: scene.metered.clone() })
-    }
-
-    /// The target at a mean luminance, behind a lens, on a camera.
-    pub(super) fn imaged(
-        &self,
-        camera: &Camera,
-        lens: &Spectrum,
-        luminance_cd_m2: f64,
-    ) -> Result<ImagedScene, CameraError> {
-        let planes = self.light.planes();
-        let camera = camera.with_size(planes.rows(), planes.cols());
-        let pixels = self.light.behind(&camera.sensor, lens, luminance_cd_m2)?;
-        let metered = metered(&camera, self.metered.as_deref(), lens, luminance_cd_m2)?;
-        Ok(ImagedScene::from_pixels(camera, pixels, metered))
-    }
-}
-
-/// The irradiance at the point that a camera meters, behind its lens; `None` if it meters no point. `bare` is that behind a clear lens.
-pub(super) fn metered(
-    camera: &Camera,
-    bare: Option<&[f64]>,
-    lens: &Spectrum,
-    luminance_cd_m2: f64,
-) -> Result<Option<Spectrum>, CameraError> {
-    let is_point = camera.stated_time_s().is_none()
-        && camera.description().exposure.auto != Some(AutoExposureName::Mean);
-    match bare.filter(|_| is_point) {
-        None => Ok(None),
-        Some(bare) => {
-            let values = bare.iter().zip(lens.values()).map(|(v, t)| v * t * luminance_cd_m2).collect();
-            Ok(Some(Spectrum::new(camera.grid(), values)?))
-        }
-    }
 }
 
 impl LiveLearner {
