@@ -10,9 +10,10 @@ use smalti::experiment::Silent;
 use smalti::spectrum::Illuminant;
 use smalti_io::{light, studio};
 
+use super::error::EngineError;
+use super::file::StudioFile;
 use super::photograph::Photograph;
 use super::request::LightOf;
-use super::{EngineError, StudioFile};
 
 /// What was loaded of the light behind one lens.
 #[derive(Default)]

@@ -2,6 +2,7 @@
 
 mod error;
 mod figures;
+mod file;
 mod improving;
 mod lens;
 mod photograph;
@@ -19,23 +20,13 @@ use smalti::sensor::NoiseMode;
 use smalti::spectrum::Illuminant;
 
 pub use error::EngineError;
+pub use file::StudioFile;
 use improving::Improving;
 use lens::{Lens, Sources};
 use request::{DrawRequest, Request};
 
 /// Bytes of the longest request.
 const MAX_REQUEST: usize = 4 << 20;
-
-/// The files of the studio.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum StudioFile {
-    /// The light that pipelines are learned from.
-    Training,
-    /// The light of a scene.
-    Scene,
-    /// Statistics of light.
-    Statistics,
-}
 
 /// An answer: JSON, and the bytes of pictures behind it.
 #[derive(Debug, Clone, PartialEq, Eq)]
