@@ -57,11 +57,10 @@ mod tests {
 
     #[test]
     fn a_design_is_read_as_strictly_as_a_camera_file_and_opens_no_file() {
-        let filters =
-            |red: Value| json!({"R": red, "G": {"builtin": "nikon-d100-green"}, "B": {"flat": 0.5}});
+        let filters = |red: Value| json!({"R": red, "G": {"builtin": "green"}, "B": {"flat": 0.5}});
         let cfa = |red: Value| json!({"pattern": ["RG", "GB"], "filters": filters(red)});
         let found = camera(&json!({"name": "a", "sensor": {"cfa": cfa(json!({"flat": 0.3}))}}));
-        assert!(found.is_ok() || found.as_ref().unwrap_err().to_string().contains("nikon"), "{found:?}");
+        assert!(found.is_ok(), "{found:?}");
         let wide = "R".repeat(17);
         let error = |design: Value| camera(&design).unwrap_err().to_string();
         let path = cfa(json!({"file": "/etc/passwd"}));
