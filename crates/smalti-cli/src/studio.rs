@@ -233,10 +233,7 @@ fn compared(path: &Path, common: &Common) -> anyhow::Result<(Camera, Option<Came
             "{about}: no cameras of a comparison ({error}); expected the results of `smalti compare`"
         )
     })?;
-    let camera = |description: &CameraDescription| {
-        let text = designs::own_camera_toml(description).map_err(anyhow::Error::from)?;
-        of_text(&about.to_string(), text)
-    };
+    let camera = |own: &CameraDescription| Ok::<_, anyhow::Error>(Camera::new(own.clone(), own.grid()?)?);
     if document.cameras.len() > 2 {
         let more = document.cameras.len() - 2;
         note(

@@ -76,9 +76,9 @@ fn another_infrared_cut_turns_no_rank_with_learned_pipelines() {
     ranks_are_those_of_another_filter("--scene photo-astronaut");
 }
 
-/// The same on all photographs; `just rankings`.
+/// The same on all photographs.
 #[test]
-#[ignore = "takes minutes"]
+#[ignore = "takes minutes; `just rankings` runs it"]
 fn another_infrared_cut_turns_no_rank_on_photographs() {
     ranks_are_those_of_another_filter(
         "--scene photo-astronaut --scene photo-brushes --scene photo-dahlia --scene photo-pagoda --scene photo-raccoon",

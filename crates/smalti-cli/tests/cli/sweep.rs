@@ -147,7 +147,7 @@ fn a_killed_sweep_goes_on() {
 
 /// `cargo test --release -p smalti-cli --test cli a_hundred_kills -- --ignored`
 #[test]
-#[ignore = "takes a minute"]
+#[ignore = "takes a minute; `just kills` runs it"]
 fn a_hundred_kills() {
     killed(100);
 }

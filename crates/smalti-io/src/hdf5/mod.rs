@@ -20,20 +20,14 @@ pub use absent::write;
 #[cfg(not(feature = "hdf5"))]
 pub(crate) use absent::{from_source, refused};
 #[cfg(feature = "hdf5")]
-pub(crate) use tree::FORMAT;
+pub(crate) use tree::from_source;
 #[cfg(feature = "hdf5")]
 pub(crate) use write::unwritten;
 #[cfg(feature = "hdf5")]
 pub use write::write;
 
-#[cfg(feature = "hdf5")]
-use crate::file::guarded;
 use crate::raster::FileSource;
-#[cfg(feature = "hdf5")]
-use crate::raster::Shared;
 use crate::scene_file::tiles::{Tiles, load};
-#[cfg(feature = "hdf5")]
-use crate::variables;
 use crate::variables::Reading;
 use crate::{IoError, ReadOptions, SpectralFile};
 
@@ -54,9 +48,4 @@ pub fn open(path: &Path, options: &ReadOptions) -> Result<Box<dyn Tiles>, IoErro
 /// As [`open`] and [`load`], from memory; `path` is only named.
 pub fn from_bytes(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<SpectralFile, IoError> {
     load(&from_source(Arc::new(bytes.to_vec()), Reading { path, options })?, path, options)
-}
-
-#[cfg(feature = "hdf5")]
-pub(crate) fn from_source(source: Shared<'static>, of: Reading<'_>) -> Result<Box<dyn Tiles>, IoError> {
-    guarded(of.path, FORMAT, || variables::open(&tree::open(source, of.path, of.options.limits)?, of))
 }

@@ -9,12 +9,14 @@ use hdf5_pure::{
 };
 
 use super::octave::{self, Variable};
+use crate::file::guarded;
 use crate::raster::{Filter, Kind, Place, Shared};
-use crate::variables::{Array, Attribute, Chunks, Fields, Layout, Numbers, Value};
+use crate::scene_file::tiles::Tiles;
+use crate::variables::{self, Array, Attribute, Chunks, Fields, Layout, Numbers, Reading, Value};
 use crate::{IoError, Limits};
 
 /// The name of the format in messages.
-pub(crate) const FORMAT: &str = "HDF5";
+const FORMAT: &str = "HDF5";
 
 // Registered identifiers of filters.
 const DEFLATE: u16 = 1;
@@ -40,8 +42,13 @@ pub(crate) struct Members {
     pub(super) context: Context,
 }
 
+/// A spectral image, from wherever the file is.
+pub(crate) fn from_source(source: Shared<'static>, of: Reading<'_>) -> Result<Box<dyn Tiles>, IoError> {
+    guarded(of.path, FORMAT, || variables::open(&open(source, of.path, of.options.limits)?, of))
+}
+
 /// The root group of a file.
-pub(crate) fn open(source: Shared<'static>, path: &Path, limits: Limits) -> Result<Members, IoError> {
+fn open(source: Shared<'static>, path: &Path, limits: Limits) -> Result<Members, IoError> {
     let context = Context { source: Arc::clone(&source), limits, path: path.to_owned() };
     let have = source.len();
     let file = hdf5_pure::File::from_source(Positioned(source)).map_err(|e| context.decode(e))?;

@@ -36,7 +36,7 @@ use self::scenes::{SCENES, StudioScene};
 pub use asset::{StudioAsset, StudioAssetError};
 pub use file::{scene_from_bytes, scene_to_bytes, training_from_bytes, training_to_bytes};
 pub use lens::{TrainingFiles, scene_light, sources, statistics_of_light, training_light};
-pub use scenes::catalogue_name;
+pub use scenes::{COMPONENTS, catalogue_name};
 
 use crate::{light, rendered};
 

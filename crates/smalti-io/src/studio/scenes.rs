@@ -1,7 +1,7 @@
 //! The scenes of the studio.
 
 /// Spectral components of scenes and of the training scene. They describe natural surfaces in daylight to a few thousandths.
-pub(super) const COMPONENTS: usize = 8;
+pub const COMPONENTS: usize = 8;
 
 /// A scene of the studio.
 pub(super) struct StudioScene {

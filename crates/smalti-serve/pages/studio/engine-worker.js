@@ -1,5 +1,6 @@
 // @ts-check
 // A worker with the library as WebAssembly. It sees nothing of the page.
+import { fetched, inflated } from "./fetched.js";
 
 /** @type {any} */
 let wasm;
@@ -9,18 +10,6 @@ let base;
 let manifest;
 /** Files that are loaded or on their way. @type {Map<string, Promise<void>>} */
 const loaded = new Map();
-
-/** @param {string} name */
-async function fetched(name) {
-  const response = await fetch(new URL(name, base));
-  if (!response.ok || !response.body) throw new Error(`${name} is missing: ${response.status}`);
-  return response.body;
-}
-
-/** @param {string} name @returns {Promise<ArrayBuffer>} */
-async function inflated(name) {
-  return new Response((await fetched(name)).pipeThrough(new DecompressionStream("deflate-raw"))).arrayBuffer();
-}
 
 /** @param {(Uint8Array | Uint8ClampedArray)[]} parts */
 function put(...parts) {
@@ -73,11 +62,11 @@ function take(lens, kind, bytes) {
 }
 
 /** Hands a file of the page to the module. @param {string} file @param {keyof typeof KINDS} kind */
-const load = (file, kind) => once(file, async () => take("", kind, await inflated(file)));
+const load = (file, kind) => once(file, async () => take("", kind, await inflated(new URL(file, base))));
 
 /** Hands what light is gathered from to the module. @param {string} name @param {string} file */
 const source = (name, file) => once(file, async () => {
-  const bytes = new Uint8Array(await new Response(await fetched(file)).arrayBuffer());
+  const bytes = new Uint8Array(await (await fetched(new URL(file, base))).arrayBuffer());
   const text = new TextEncoder().encode(name);
   put(text, bytes);
   checked(wasm.source(text.byteLength));

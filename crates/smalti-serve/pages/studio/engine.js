@@ -10,6 +10,7 @@
 // lens takes seconds (`light`). `wavelengths_nm` of a design are those of this camera; a design with others is refused with a message that
 // names the key. Pictures have the size of the scene, whatever
 // `sensor.rows` and `sensor.cols` say. Pipelines are learned from statistics of light, which hold for a mosaic without crosstalk and binning.
+import { fetched, inflated } from "./fetched.js";
 import { Lights, START } from "./lights.js";
 
 /** @typedef {import("./lights.js").LightOf} LightOf */
@@ -124,12 +125,6 @@ const HELD_LENSES = 3;
 /** References that are kept, about 0.5 MB each. */
 const KEPT_REFERENCES = 24;
 
-/** @param {URL} url @returns {Promise<Response>} */
-async function fetched(url) {
-  const response = await fetch(url);
-  if (!response.ok) throw new Error(`${url.pathname.split("/").pop()} is missing: ${response.status}`);
-  return response;
-}
 
 /** A worker with the module. Requests are answered in turn. */
 class Bench {
@@ -269,8 +264,7 @@ export class Engine {
     if (typeof WebAssembly !== "object") throw new Error("this browser does not allow WebAssembly");
     const base = String(new URL(assets_url, document.baseURI));
     // The module is compiled once, for all workers.
-    const compiled = fetched(new URL("studio.wasm.deflate", base)).then(async ({ body }) =>
-      WebAssembly.compile(await new Response(body?.pipeThrough(new DecompressionStream("deflate-raw"))).arrayBuffer()));
+    const compiled = inflated(new URL("studio.wasm.deflate", base)).then((bytes) => WebAssembly.compile(bytes));
     const manifest = await (await fetched(new URL("manifest.json", base))).json();
     const start_worker = async () => {
       const bench = new Bench();

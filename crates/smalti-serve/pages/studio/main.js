@@ -4,6 +4,7 @@ import { announce, atFrame, byId, make, tell } from "./dom.js";
 import { withValue } from "./design.js";
 import { Engine } from "./engine.js";
 import { camerasOfResults, curvesCsv, fileName, save } from "./files.js";
+import { fetched } from "./fetched.js";
 import { setUpFilters } from "./filters.js";
 import { familyOf, setUpImprove } from "./improve.js";
 import { setUpMosaic } from "./mosaic.js";
@@ -53,11 +54,7 @@ async function opened(engine) {
   } catch (error) {
     tell(`The design in the address cannot be opened: ${message(error)}.`, "trouble");
   }
-  const file = async (/** @type {string} */ name) => {
-    const response = await fetch(name);
-    if (!response.ok) throw new Error(`${name} is missing: ${response.status}`);
-    return inFull(engine, await engine.parse(await response.text()));
-  };
+  const file = async (/** @type {string} */ name) => inFull(engine, await engine.parse(await (await fetched(name)).text()));
   const pinned = (await offered())?.pinned;
   return { camera: await file("start.toml"), pinned: pinned ? await file(pinned) : undefined };
 }

@@ -3,6 +3,7 @@
 // files follow the message that announces them, each as a binary message. Without a server, as in an exported folder, there is none of this.
 import { announce, byId, make, tell } from "./dom.js";
 import { fileName, save } from "./files.js";
+import { text } from "./scores.js";
 
 /** @typedef {import("./engine.js").Design} Design */
 /** A result: what was found, and files by kind. @typedef {{ said: any, files: Record<string, Blob> }} Result */
@@ -100,11 +101,11 @@ export class Native {
     if (!this.isOpen) return Promise.reject(new Error(LOST));
     if (this.#job) return Promise.reject(new Error("Another job is at work; one runs at a time"));
     const id = this.#next++;
-    const text = JSON.stringify({ start: { id, job } });
-    if (new TextEncoder().encode(text).length > this.#limit) return Promise.reject(new Error("The design is larger than the server takes"));
+    const message = JSON.stringify({ start: { id, job } });
+    if (new TextEncoder().encode(message).length > this.#limit) return Promise.reject(new Error("The design is larger than the server takes"));
     return new Promise((resolve, reject) => {
       this.#job = { id, kinds: [], onProgress, resolve, reject };
-      this.#socket.send(text);
+      this.#socket.send(message);
       signal.addEventListener("abort", () => { if (this.isOpen) this.#socket.send(JSON.stringify({ cancel: { id } })); });
     });
   }
@@ -112,9 +113,6 @@ export class Native {
 
 /** @param {unknown} error */
 const isCancelled = (error) => error instanceof Error && error.message === CANCELLED;
-
-/** @param {number} value @param {number} digits */
-const text = (value, digits) => value.toFixed(digits).replace("-", "−");
 
 /**
  * Sets up the panel of full computations and the items of the menu. `shown` is what the page shows, `isOwn` whether its scene is a photograph of the visitor.

@@ -43,8 +43,8 @@ const FIGURES = {
   cpsnr_db: { label: "CPSNR, dB", better: 1 }, delta_e_2000: { label: "ΔE2000", better: -1 }, scielab: { label: "S-CIELAB", better: -1 }, detail_db: { label: "Detail, dB", better: 1 },
 };
 
-/** @param {number} value @param {number} digits */
-const text = (value, digits) => value.toFixed(digits).replace("-", "−");
+/** A number with a minus sign. @param {number} value @param {number} digits */
+export const text = (value, digits) => value.toFixed(digits).replace("-", "−");
 
 /**
  * Words for a change of a score, of which the bar is that of `bar`. A change below the smallest relevant one is neither better nor worse.

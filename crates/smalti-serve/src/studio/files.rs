@@ -51,11 +51,12 @@ macro_rules! embedded {
     };
 }
 
-static EMBEDDED: [(&str, &[u8]); 23] = embedded![
+static EMBEDDED: [(&str, &[u8]); 24] = embedded![
     "design.js",
     "dom.js",
     "engine-worker.js",
     "engine.js",
+    "fetched.js",
     "files.js",
     "filters.js",
     "improve.js",

@@ -6,15 +6,13 @@ use serde::Serialize;
 use smalti::camera::{ArrayFigures, Camera, CameraError, ColorimetricObserver};
 use smalti::color::{ColorSpace, Image};
 use smalti::design::light::LightStatistics;
-use smalti::design::screen::{ExpectedError, FigureWeights, Figures, Screen, ScreenCondition};
+use smalti::design::live::live_conditions;
+use smalti::design::screen::{ExpectedError, FigureWeights, Figures, Screen};
 use smalti::numeric::Planes;
 use smalti::spectrum::{Illuminant, Observer, Spectrum};
 
 use super::EngineError;
 use super::warnings::{self, Warning};
-
-/// The longest exposure of cameras that state no time, s, as in the files of designs.
-pub(super) const LONGEST_S: f64 = 0.033;
 
 /// What is asked for.
 #[derive(Debug, Clone, Copy)]
@@ -64,11 +62,6 @@ pub(super) struct Scores {
     pub(super) warnings: Vec<Warning>,
 }
 
-/// The conditions of a camera at some luminances.
-pub(super) fn conditions(camera: &Camera, luminances_cd_m2: &[f64]) -> Vec<ScreenCondition> {
-    luminances_cd_m2.iter().map(|l| ScreenCondition::of_camera(camera, *l, LONGEST_S)).collect()
-}
-
 pub(super) fn scores(
     camera: &Camera,
     statistics: Option<&LightStatistics>,
@@ -95,7 +88,7 @@ fn of_light(
     wanted: Wanted<'_>,
 ) -> Result<(Vec<Expected>, Option<Derivatives>), EngineError> {
     let Wanted { luminances_cd_m2, derivatives } = wanted;
-    let screen = Screen::new(camera, statistics, &conditions(camera, luminances_cd_m2))?;
+    let screen = Screen::new(camera, statistics, &live_conditions(camera, luminances_cd_m2))?;
     let cfa = &camera.sensor.cfa;
     let found = screen.expected(cfa)?;
     let of = |figure: FigureWeights| {

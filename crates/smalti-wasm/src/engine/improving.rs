@@ -4,16 +4,14 @@ use serde::Serialize;
 use smalti::camera::description::{CfaDescription, PatternDescription};
 use smalti::camera::{Camera, CameraDescription};
 use smalti::design::light::LightStatistics;
+use smalti::design::live::{live_conditions, live_objective};
 use smalti::design::screen::Screen;
-use smalti::design::search::{Improvement, Locks, Objective, Over};
+use smalti::design::search::{Improvement, Locks};
 use smalti::sensor::Filter;
 
 use super::EngineError;
 use super::figures::{self, Expected};
-use super::request::ImproveRequest;
-
-/// Weight of a unit of CIEDE2000 beside a decibel, as in the built-in designs.
-const DELTA_E_2000: f64 = 2.0;
+use super::request::{ImproveRequest, space};
 
 /// A design on its way to a better one.
 pub(super) struct Improving {
@@ -60,14 +58,13 @@ impl Improving {
             }
             cells[row * mosaic.cols() + col] = true;
         }
-        let conditions = figures::conditions(&camera, &request.luminances_cd_m2);
+        let conditions = live_conditions(&camera, &request.luminances_cd_m2);
         let screen = Screen::new(&camera, statistics, &conditions)?;
-        let objective = Objective { delta_e_2000: DELTA_E_2000, over: Over::Worst, ..Objective::default() };
         let locks = Locks { filters: kept.clone(), cells };
         let improvement = Improvement::new(
             vec![screen],
-            request.family.space().sampled(camera.grid())?,
-            &objective,
+            space(request.family).sampled(camera.grid())?,
+            &live_objective(),
             cfa,
             locks,
         )?;

@@ -8,6 +8,7 @@ use smalti::numeric::Planes;
 use smalti::scene::Setting;
 use smalti::sensor::SensorError;
 use smalti::spectrum::Observer;
+use smalti_io::studio::COMPONENTS;
 use smalti_io::{Quantity, SpectralFile};
 
 use super::EngineError;
@@ -16,8 +17,6 @@ use super::EngineError;
 const SIDES: std::ops::RangeInclusive<usize> = 32..=1024;
 /// The most pixels of a photograph.
 const MAX_PIXELS: usize = 400_000;
-/// Spectral components of the light. Smooth reflectances need few.
-const COMPONENTS: usize = 8;
 
 /// A photograph, RGBA in sRGB.
 pub(super) struct Photograph {

@@ -3,7 +3,8 @@
 use serde::Deserialize;
 use serde_json::Value;
 use smalti::design::live::LiveCrop;
-use smalti::design::search::{Dichroic, FilterSpace, FreeCurves, Pigments};
+use smalti::design::live::LiveFamily;
+use smalti::design::search::{FilterSpace, FreeCurves};
 
 /// Knots of free curves: one in 20 nm.
 const KNOTS: usize = 16;
@@ -95,40 +96,12 @@ pub(super) struct ScoresRequest {
     pub(super) derivatives: bool,
     /// The family of which the filters should be.
     #[serde(default)]
-    pub(super) family: Option<Family>,
+    pub(super) family: Option<LiveFamily>,
 }
 
-/// The family of the filters that are changed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub(super) enum Family {
-    /// Any smooth curve.
-    #[default]
-    Free,
-    /// Layers of pigments.
-    Pigments,
-    /// Bands between two edges.
-    Dichroic,
-}
-
-impl Family {
-    /// The filters of the family.
-    pub(super) fn space(self) -> FilterSpace {
-        match self {
-            Self::Free => FilterSpace::Free(FreeCurves { knots: KNOTS, ..FreeCurves::default() }),
-            Self::Pigments => FilterSpace::Pigments(Pigments::default()),
-            Self::Dichroic => FilterSpace::Dichroic(Dichroic::default()),
-        }
-    }
-
-    /// Its filters in words.
-    pub(super) fn words(self) -> &'static str {
-        match self {
-            Self::Free => "as a smooth curve",
-            Self::Pigments => "of pigments",
-            Self::Dichroic => "as a dichroic band",
-        }
-    }
+/// The filters of a family as the page searches them.
+pub(super) fn space(family: LiveFamily) -> FilterSpace {
+    family.space(FreeCurves { knots: KNOTS, ..FreeCurves::default() })
 }
 
 /// What stays as it is.
@@ -153,7 +126,7 @@ pub(super) struct ImproveRequest {
     pub(super) locks: LocksRequest,
     pub(super) luminances_cd_m2: Vec<f64>,
     #[serde(default)]
-    pub(super) family: Family,
+    pub(super) family: LiveFamily,
 }
 
 #[derive(Debug, Deserialize)]

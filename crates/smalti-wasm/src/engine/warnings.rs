@@ -4,11 +4,12 @@ use std::collections::VecDeque;
 
 use serde::Serialize;
 use smalti::camera::{Camera, CameraError};
+use smalti::design::live::LiveFamily;
 use smalti::isp::WhiteBalance;
 use smalti::spectrum::{Illuminant, Spectrum};
 
 use super::EngineError;
-use super::request::Family;
+use super::request::space;
 
 /// The share of its largest value from which a channel counts as sensitive at the end of the wavelengths.
 const SENSITIVE: f64 = 0.1;
@@ -80,6 +81,15 @@ pub(super) fn of_camera(camera: &Camera) -> Result<Vec<Warning>, CameraError> {
     Ok(found)
 }
 
+/// Filters of a family in words.
+fn words(family: LiveFamily) -> &'static str {
+    match family {
+        LiveFamily::Free => "as a smooth curve",
+        LiveFamily::Pigments => "of pigments",
+        LiveFamily::Dichroic => "as a dichroic band",
+    }
+}
+
 /// Filters whose distance from a family is kept.
 const KEPT: usize = 32;
 
@@ -87,13 +97,17 @@ const KEPT: usize = 32;
 #[derive(Default)]
 pub(super) struct Makeable {
     /// Family, curve and distance, those used last at the end.
-    kept: VecDeque<(Family, Spectrum, f64)>,
+    kept: VecDeque<(LiveFamily, Spectrum, f64)>,
 }
 
 impl Makeable {
     /// Warnings about filters that the family does not have.
-    pub(super) fn warnings(&mut self, camera: &Camera, family: Family) -> Result<Vec<Warning>, EngineError> {
-        let mut space = None;
+    pub(super) fn warnings(
+        &mut self,
+        camera: &Camera,
+        family: LiveFamily,
+    ) -> Result<Vec<Warning>, EngineError> {
+        let mut sampled = None;
         let mut found = Vec::new();
         for channel in camera.sensor.cfa.channels() {
             let curve = &channel.transmittance;
@@ -101,11 +115,11 @@ impl Makeable {
             let distance = match known {
                 Some(distance) => distance,
                 None => {
-                    let space = match &space {
-                        Some(space) => space,
-                        None => space.insert(family.space().sampled(camera.grid())?),
+                    let sampled = match &sampled {
+                        Some(sampled) => sampled,
+                        None => sampled.insert(space(family).sampled(camera.grid())?),
                     };
-                    let distance = space.distance(curve);
+                    let distance = sampled.distance(curve);
                     if self.kept.len() >= KEPT {
                         self.kept.pop_front();
                     }
@@ -119,7 +133,7 @@ impl Makeable {
                     message: format!(
                         "the filter {} cannot be made {}: the nearest such filter differs by up to {:.0} % transmittance",
                         channel.name,
-                        family.words(),
+                        words(family),
                         100.0 * distance
                     ),
                     filter: Some(channel.name.clone()),

@@ -5,12 +5,12 @@ use std::path::Path;
 use super::super::error::DatasetError;
 use super::super::manifest::Manifest;
 use super::super::schema::Column;
-use super::supported::check_supported;
+use super::supported::refused;
 
 /// # Errors
 /// Always.
 pub fn encode(_: &Manifest, chunk: u64, _: &[Column]) -> Result<Vec<u8>, DatasetError> {
-    Ok(check_supported(Path::new(&format!("part {chunk}"))).map(|()| Vec::new())?)
+    Err(refused(Path::new(&format!("part {chunk}"))).into())
 }
 
 /// # Errors
@@ -22,5 +22,5 @@ pub fn part_from_bytes(
     _: u64,
     _: &[usize],
 ) -> Result<Vec<Column>, DatasetError> {
-    Ok(check_supported(path).map(|()| Vec::new())?)
+    Err(refused(path).into())
 }

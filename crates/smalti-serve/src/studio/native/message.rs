@@ -4,6 +4,7 @@
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
+use smalti::design::live::LiveFamily;
 use smalti::l3::Quality;
 use thiserror::Error;
 
@@ -107,20 +108,7 @@ pub struct Search {
     pub luminances_cd_m2: Vec<f64>,
     /// The family of the filters.
     #[serde(default)]
-    pub family: Family,
-}
-
-/// The filters that can be made.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Family {
-    /// Any smooth curve.
-    #[default]
-    Free,
-    /// Layers of pigments.
-    Pigments,
-    /// Bands between two edges.
-    Dichroic,
+    pub family: LiveFamily,
 }
 
 /// Why a message is none of the page.

@@ -21,7 +21,7 @@ use axum::routing::any;
 
 pub use error::JobError;
 pub use material::Native;
-pub use message::{Capture, Family, Job, MOST_MESSAGE_BYTES, MessageError, Report, Request, Search};
+pub use message::{Capture, Job, MOST_MESSAGE_BYTES, MessageError, Report, Request, Search};
 
 /// The path of the connection, below the token.
 pub(super) const PATH: &str = "native";

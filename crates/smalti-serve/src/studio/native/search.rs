@@ -6,13 +6,11 @@ use serde_json::json;
 use smalti::camera::Camera;
 use smalti::camera::description::{CameraDescription, CfaDescription, PatternDescription};
 use smalti::design::light::LightSettings;
-use smalti::design::screen::{ExpectedError, ScreenCondition};
-use smalti::design::search::{
-    Annealing, Dichroic, FilterSpace, FreeCurves, LayoutRules, Objective, Over, Pigments, SearchSettings,
-    Tolerance,
-};
+use smalti::design::live::{live_conditions, live_objective};
+use smalti::design::screen::ExpectedError;
+use smalti::design::search::{Annealing, FreeCurves, LayoutRules, SearchSettings, Tolerance};
 use smalti::design::{MosaicFamily, Symmetry, Tile};
-use smalti::experiment::{DesignTask, DesignedCfa, design, light_statistics};
+use smalti::experiment::{DesignTask, DesignedCfa, ForgetfulStore, design, light_statistics};
 use smalti::sensor::Filter;
 use smalti::spectrum::Spectrum;
 
@@ -20,13 +18,8 @@ use super::capture::LIGHT;
 use super::design::camera;
 use super::error::JobError;
 use super::material::{Found, Native};
-use super::message::{Family, Search};
+use super::message::Search;
 use super::watch::Watch;
-
-/// The longest exposure of cameras that state no time, s, and the weight of a unit of CIEDE2000 beside a decibel, as in the built-in designs and
-/// on the page.
-const LONGEST_S: f64 = 0.033;
-const DELTA_E_2000: f64 = 2.0;
 
 /// What stays: the letter of each channel of the task, kept ones first, and the rules.
 struct Kept {
@@ -44,21 +37,12 @@ pub(super) fn search(native: &Native, wanted: &Search, watch: &Watch) -> Result<
     let camera = camera(&wanted.design)?;
     let kept = kept(&camera, wanted);
     let mosaic = camera.sensor.cfa.mosaic();
-    let space = match wanted.family {
-        Family::Free => FilterSpace::Free(FreeCurves::default()),
-        Family::Pigments => FilterSpace::Pigments(Pigments::default()),
-        Family::Dichroic => FilterSpace::Dichroic(Dichroic::default()),
-    };
     let task = DesignTask {
         name: camera.description().name.clone(),
         illuminants: vec![LIGHT],
-        conditions: wanted
-            .luminances_cd_m2
-            .iter()
-            .map(|l| ScreenCondition::of_camera(&camera, *l, LONGEST_S))
-            .collect(),
+        conditions: live_conditions(&camera, &wanted.luminances_cd_m2),
         colors: vec![camera.sensor.cfa.channels().len()],
-        filters: space,
+        filters: wanted.family.space(FreeCurves::default()),
         mosaics: MosaicFamily::Tile(Tile {
             rows: mosaic.rows(),
             cols: mosaic.cols(),
@@ -68,7 +52,7 @@ pub(super) fn search(native: &Native, wanted: &Search, watch: &Watch) -> Result<
         rules: kept.rules.clone(),
         annealing: Annealing::default(),
         rivals: false,
-        objective: Objective { delta_e_2000: DELTA_E_2000, over: Over::Worst, ..Objective::default() },
+        objective: live_objective(),
         front: None,
         tolerance: Tolerance::default(),
         search: SearchSettings::default(),
@@ -76,8 +60,7 @@ pub(super) fn search(native: &Native, wanted: &Search, watch: &Watch) -> Result<
         camera,
     };
     let statistics = light_statistics(&task.camera, &LIGHT, None, &task.light, native.resources(watch))?;
-    let designs =
-        design(&task, std::slice::from_ref(&statistics), &smalti::experiment::ForgetfulStore, watch)?;
+    let designs = design(&task, std::slice::from_ref(&statistics), &ForgetfulStore, watch)?;
     let best = designs.searched.first().ok_or(JobError::Broken)?;
     let found = best.best().ok_or(JobError::Broken)?;
     let own_cost = designs.goal.cost(&designs.own);

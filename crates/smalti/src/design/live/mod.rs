@@ -4,12 +4,14 @@
 //! ([`LiveSetup::bare`]). Lens and pixel geometry are those of a [`LiveSetup`]; the transmittance of the lens, quantum
 //! efficiency, filters, mosaic, noise, well and exposure are those of each design.
 
+mod improvement;
 mod learner;
 mod pictures;
 mod setup;
 mod target_light;
 mod targets;
 
+pub use improvement::{LiveFamily, live_conditions, live_objective};
 pub use learner::{LiveDesign, LiveLearner};
 pub use pictures::{LiveCrop, LivePicture, LivePictures};
 pub use setup::{LiveScene, LiveSetup, LiveTraining};
