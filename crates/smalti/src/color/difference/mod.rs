@@ -4,6 +4,8 @@ mod cie76;
 mod cie94;
 mod ciede2000;
 
+use std::marker::PhantomData;
+
 use rayon::prelude::*;
 
 pub use cie76::delta_e_76;
@@ -120,16 +122,34 @@ impl LabReference {
             let (at, len) = (chunk * CHUNK, out.len());
             let (xyz, white) = (test.map(|p| &p[at..][..len]), self.white);
             let reference = self.lab.each_ref().map(|p| &p[at..][..len]);
+            let pair = Pair { xyz, white, reference, out };
             match formula {
-                DeltaE::Cie1976 => dispatch(Differences { xyz, white, reference, out, formula: delta_e_76 }),
-                DeltaE::Cie1994 => dispatch(Differences { xyz, white, reference, out, formula: delta_e_94 }),
-                DeltaE::Ciede2000 => {
-                    dispatch(Differences { xyz, white, reference, out, formula: delta_e_2000 });
-                }
+                DeltaE::Cie1976 => dispatch(Differences::<Cie1976>(pair, PhantomData)),
+                DeltaE::Cie1994 => dispatch(Differences::<Cie1994>(pair, PhantomData)),
+                DeltaE::Ciede2000 => dispatch(Differences::<Ciede2000>(pair, PhantomData)),
             }
         });
         DifferenceMap { rows, cols, values }
     }
+}
+
+/// Pixels that are computed at once, in vectors.
+const LANES: usize = 16;
+
+/// Some values of three planes from an index on, with zeros after their end.
+#[inline(always)]
+fn lanes<T: Copy + Default>(planes: [&[T]; 3], at: usize, count: usize) -> [[T; LANES]; 3] {
+    let mut out = [[T::default(); LANES]; 3];
+    for (out, plane) in out.iter_mut().zip(planes) {
+        out[..count].copy_from_slice(&plane[at..at + count]);
+    }
+    out
+}
+
+/// CIELAB of one of the lanes.
+#[inline(always)]
+fn lab_of([x, y, z]: &[[f32; LANES]; 3], lane: usize, white: [f64; 3]) -> [f64; 3] {
+    lab_from_xyz([f64::from(x[lane]), f64::from(y[lane]), f64::from(z[lane])], white)
 }
 
 /// CIELAB of some pixels; all slices have one length.
@@ -144,39 +164,78 @@ impl Kernel for ToLab<'_> {
 
     #[inline(always)]
     fn run(self) {
-        let [l, a, b] = self.lab;
-        let out = l.iter_mut().zip(a).zip(b);
-        for (((l, a), b), xyz) in out.zip(pixels(self.xyz)) {
-            [*l, *a, *b] = lab_from_xyz(xyz, self.white);
+        let Self { xyz, white, lab } = self;
+        for at in (0..xyz[0].len()).step_by(LANES) {
+            let count = LANES.min(xyz[0].len() - at);
+            let of = lanes(xyz, at, count);
+            let mut labs = [[0.0; LANES]; 3];
+            for i in 0..LANES {
+                [labs[0][i], labs[1][i], labs[2][i]] = lab_of(&of, i, white);
+            }
+            for p in 0..3 {
+                lab[p][at..at + count].copy_from_slice(&labs[p][..count]);
+            }
         }
     }
 }
 
-/// ΔE of some pixels from a reference in CIELAB; all slices have one length.
-struct Differences<'a, F> {
+/// A formula that loops over lanes contain: a function that is passed on would be called for every pixel.
+trait Formula {
+    fn between(lab1: [f64; 3], lab2: [f64; 3]) -> f64;
+}
+
+struct Cie1976;
+struct Cie1994;
+struct Ciede2000;
+
+impl Formula for Cie1976 {
+    #[inline(always)]
+    fn between(lab1: [f64; 3], lab2: [f64; 3]) -> f64 {
+        delta_e_76(lab1, lab2)
+    }
+}
+
+impl Formula for Cie1994 {
+    #[inline(always)]
+    fn between(lab1: [f64; 3], lab2: [f64; 3]) -> f64 {
+        delta_e_94(lab1, lab2)
+    }
+}
+
+impl Formula for Ciede2000 {
+    #[inline(always)]
+    fn between(lab1: [f64; 3], lab2: [f64; 3]) -> f64 {
+        delta_e_2000(lab1, lab2)
+    }
+}
+
+/// Some pixels and a reference in CIELAB; all slices have one length.
+struct Pair<'a> {
     xyz: [&'a [f32]; 3],
     white: [f64; 3],
     reference: [&'a [f64]; 3],
     out: &'a mut [f32],
-    formula: F,
 }
 
-impl<F: Fn([f64; 3], [f64; 3]) -> f64> Kernel for Differences<'_, F> {
+/// ΔE of a pair.
+struct Differences<'a, F>(Pair<'a>, PhantomData<F>);
+
+impl<F: Formula> Kernel for Differences<'_, F> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
-        let [l, a, b] = self.reference;
-        let reference = l.iter().zip(a).zip(b).map(|((&l, &a), &b)| [l, a, b]);
-        for ((out, reference), xyz) in self.out.iter_mut().zip(reference).zip(pixels(self.xyz)) {
-            *out = (self.formula)(reference, lab_from_xyz(xyz, self.white)) as f32;
+        let Pair { xyz, white, reference, out } = self.0;
+        for (chunk, out) in out.chunks_mut(LANES).enumerate() {
+            let at = chunk * LANES;
+            let (of, [l, a, b]) = (lanes(xyz, at, out.len()), lanes(reference, at, out.len()));
+            let mut differences = [0.0; LANES];
+            for i in 0..LANES {
+                differences[i] = F::between([l[i], a[i], b[i]], lab_of(&of, i, white)) as f32;
+            }
+            out.copy_from_slice(&differences[..out.len()]);
         }
     }
-}
-
-#[inline(always)]
-fn pixels<'a>([x, y, z]: [&'a [f32]; 3]) -> impl Iterator<Item = [f64; 3]> + 'a {
-    x.iter().zip(y).zip(z).map(|((&x, &y), &z)| [f64::from(x), f64::from(y), f64::from(z)])
 }
 
 #[cfg(test)]
