@@ -233,7 +233,7 @@ export function setUpFilters(store, catalogue, curves) {
   let refreshers = [];
 
   /** @param {import("./shapes.js").Parameter} parameter @param {() => number} get @param {(value: number) => import("./design.js").Filter} set */
-  function number({ key, label, title, unit, min, max, step }, get, set) {
+  function number({ key, label, title, isWide, unit, min, max, step }, get, set) {
     const input = make("input", { type: "number", min, max, step: "any", "data-parameter": key, input: () => {
       const value = input.valueAsNumber;
       if (Number.isFinite(value) && value >= min && value <= max) change(set(value), label.toLowerCase(), `field ${store.selected} ${key}`);
@@ -245,7 +245,7 @@ export function setUpFilters(store, catalogue, curves) {
       input.value = String(get());
     } });
     refreshers.push(() => { if (store.jumps || document.activeElement !== input) input.value = String(Number(get().toFixed(4))); });
-    return make("label", { class: "field number", title }, make("span", {}, label), make("span", { class: "unit" }, input, unit));
+    return make("label", { class: `field number${isWide ? " wide" : ""}`, title }, make("span", {}, label), make("span", { class: "unit" }, input, unit));
   }
 
   function fields() {
@@ -257,7 +257,7 @@ export function setUpFilters(store, catalogue, curves) {
     if (shape === "dye") {
       own().bands.forEach((/** @type {any} */ _, /** @type {number} */ i) => {
         const of = (/** @type {string} */ key, /** @type {string} */ label, /** @type {string} */ unit, /** @type {number} */ min, /** @type {number} */ max, /** @type {number} */ step, title = "") =>
-          number({ key: `${key} ${i}`, label: `${label} ${i + 1}`, title: title || undefined, unit, min, max, step }, () => own().bands[i][key],
+          number({ key: `${key} ${i}`, label: `${label} ${i + 1}`, title: title || undefined, isWide: title !== "", unit, min, max, step }, () => own().bands[i][key],
             (value) => ({ dye: { ...own(), bands: own().bands.map((/** @type {any} */ b, /** @type {number} */ j) => (j === i ? { ...b, [key]: value } : b)) } }));
         rows.push(of("center_nm", "Band", "nm", 300, 1100, 0.5), of("fwhm_nm", "Width", "nm", 1, 400, 0.5), of("absorbance", "Peak absorbance", "", 0, 20, 0.01, "Proportional to the thickness of the layer"));
       });

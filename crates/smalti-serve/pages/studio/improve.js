@@ -29,7 +29,8 @@ export function setUpImprove(store, engine, { luminance, simulated, own, fail, n
   const button = make("button", { type: "button", class: "primary", "data-improve": "" }, "Improve");
   const wide = make("button", { type: "button", "data-job": "", hidden: true, title: "Searches all mosaics of the tile, each from many starts, with all processors of this computer" }, "Global search");
   const discard = make("button", { type: "button", hidden: true }, "Discard");
-  const state = make("p", { class: "hint progress", role: "status" }, "Starts from this design. Locked filters and cells stay as they are.");
+  // Begin and end are announced; every step would be too much.
+  const state = make("p", { class: "hint progress" }, "Starts from this design. Locked filters and cells stay as they are.");
   place.append(
     make("div", { class: "fields" }, make("label", { class: "field wide" }, make("span", {}, "Optimise for"), light), make("label", { class: "field wide" }, make("span", {}, "Filters are"), family)),
     make("label", { class: "check" }, keepMosaic, "Keep the mosaic"),
@@ -81,6 +82,7 @@ export function setUpImprove(store, engine, { luminance, simulated, own, fail, n
     button.textContent = "Stop and keep";
     discard.hidden = true;
     state.textContent = "Gathering what is known of the light…";
+    announce("The improvement has begun");
     const { signal } = stop;
     try {
       // No newer improvement takes the place of this one, which ends first.
@@ -119,6 +121,7 @@ export function setUpImprove(store, engine, { luminance, simulated, own, fail, n
     const among = said.mosaics === 1 ? "One mosaic was searched" : `${said.mosaics} mosaics were searched`;
     if (!said.is_better) {
       state.textContent = `${among}. None is better than this design.`;
+      announce(state.textContent);
       return;
     }
     const isChanged = store.camera !== begun;

@@ -341,8 +341,11 @@ async function start() {
   const limits = byId("limits", HTMLElement);
   let dismissed = "";
   const limitsText = () => {
-    const cameras = [store.camera, ...(store.pinned && !isPinned() ? [store.pinned] : [])].map((camera, i) => ({ name: i === 0 ? camera.name : `the pinned ${camera.name}`, left: simulated(engine, camera).left }));
-    const parts = cameras.filter(({ left }) => left.length > 0).map(({ name: of, left }) => `for ${of}: ${left.join(", ")}`);
+    const { camera } = store;
+    const pinned = isPinned() ? undefined : store.pinned;
+    const [own, other] = [camera, pinned].map((c) => (c ? simulated(engine, c).left.join(", ") : ""));
+    const theOther = pinned && (pinned.name === camera.name ? "the pinned design" : `the pinned ${pinned.name}`);
+    const parts = own !== "" && own === other ? [`for ${camera.name} and ${theOther}: ${own}`] : [own && `for ${camera.name}: ${own}`, other && `for ${theOther}: ${other}`].filter(Boolean);
     return parts.length === 0 ? "" : `Not simulated on this page ${parts.join("; ")}. Saved files, shared addresses and full computations use the camera as stated.`;
   };
   const showLimits = () => {

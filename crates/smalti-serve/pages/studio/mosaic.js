@@ -6,10 +6,10 @@ import { MAX_SIDE, addFilter, images, letterAt, letters, paint, removeFilter, re
 /** @typedef {import("./store.js").Store} Store */
 /** @typedef {import("./engine.js").Engine} Engine */
 
-/** The ink that reads on a colour. @param {string} color `#rrggbb` */
+/** The ink that reads on a colour: of black and white, that with more contrast, which is at least 4.58:1. @param {string} color `#rrggbb` */
 function inkOn(color) {
-  const [r, g, b] = [1, 3, 5].map((i) => (parseInt(color.slice(i, i + 2), 16) / 255) ** 2.2);
-  return 0.2126 * r + 0.7152 * g + 0.0722 * b > 0.18 ? "#111111" : "#ffffff";
+  const [r, g, b] = [1, 3, 5].map((i) => parseInt(color.slice(i, i + 2), 16) / 255).map((v) => (v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4));
+  return 0.2126 * r + 0.7152 * g + 0.0722 * b > 0.179 ? "#000000" : "#ffffff";
 }
 
 /** Tiles with a longer side take the whole width of the panel. */

@@ -2,7 +2,7 @@
 // The shapes of filters: their numbers as fields, and the handles that change them. The curves themselves come from the engine.
 
 /** @typedef {import("./design.js").Filter} Filter */
-/** A number of a shape. @typedef {{ key: string, label: string, title?: string, unit: string, min: number, max: number, step: number }} Parameter */
+/** A number of a shape; with `isWide`, its long name has a line of its own. @typedef {{ key: string, label: string, title?: string, isWide?: boolean, unit: string, min: number, max: number, step: number }} Parameter */
 /** A point that is dragged; `set` gives the filter with the point elsewhere. With `isLevel` it moves only up and down. @typedef {{ label: string, nm: number, value: number, isLevel?: boolean, set: (nm: number, value: number) => Filter }} Handle */
 
 /** The wavelengths of the plot, nm. */

@@ -93,7 +93,8 @@ export function setUpWork(engine, wanted, seen, results) {
     if (!isOld()) results.waits(undefined, isForPicture);
   }
 
-  const pause = () => new Promise((resolve) => { setTimeout(resolve, PAUSE_MS); });
+  /** Waits for some time, or for a newer version, which must not wait. */
+  const pause = () => Promise.race([new Promise((resolve) => { setTimeout(resolve, PAUSE_MS); }), renewed]);
 
   /** @param {() => boolean} isOld */
   async function pictures(isOld) {
@@ -119,6 +120,7 @@ export function setUpWork(engine, wanted, seen, results) {
     };
     if (isOld()) return false;
     if (seen().pin && !pinPicture.has(pinKey)) await showPin();
+    if (isOld()) return false;
     await pause();
     if (isOld()) return false;
     const measured = first.scores ? first : await engine.draw({ ...request, measure: true });
