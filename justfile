@@ -79,10 +79,11 @@ pictures:
     cd tools/page && npm ci --silent
     python3 tools/make_pictures.py target/release/smalti
 
-# Builds the documentation as a book in target/book.
+# Builds the documentation as a book in target/book, with the studio as a live page.
 book:
     command -v mdbook >/dev/null || cargo install --locked mdbook
     mdbook build
+    cargo run --release --locked -p smalti-cli -- studio rgbw --export target/book/studio --quiet
 
 # Generates the pages of docs/reference from the code.
 reference:

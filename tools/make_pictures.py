@@ -284,7 +284,7 @@ def page_of_comparison(work):
 
 
 def studio(work):
-    """The page of the studio, on a wide window and on a telephone, in light and dark colours."""
+    """The page of the studio, on a wide window and on a phone, in light and dark colours."""
     subprocess.run(["node", ROOT / "tools/page/studio-pictures.mjs", sys.argv[1], work], check=True)
     for made in sorted(work.glob("studio*.png")):
         Image.open(made).convert("RGB").save(OUT / f"{made.stem}.webp", quality=86, method=6)

@@ -49,3 +49,36 @@ export async function axe(page) {
     .filter((v) => ["serious", "critical"].includes(v.impact))
     .map((v) => `${v.id}: ${v.help}: ${v.nodes.slice(0, 3).map((n) => n.html.slice(0, 160)).join(" | ")}`);
 }
+
+// Texts with less than 4.5:1 among those whose contrast axe-core leaves open, because of a picture behind them or their length. Where the colour behind a text
+// shows what lies below, black and white are assumed there.
+export async function weakContrast(page) {
+  await page.evaluate(axeSource);
+  return page.evaluate(async () => {
+    const { incomplete } = await window.axe.run({ runOnly: ["color-contrast"] });
+    const context = new OffscreenCanvas(1, 1).getContext("2d", { willReadFrequently: true });
+    const rgba = (color) => {
+      context.clearRect(0, 0, 1, 1);
+      context.fillStyle = color;
+      context.fillRect(0, 0, 1, 1);
+      return [...context.getImageData(0, 0, 1, 1).data].map((v) => v / 255);
+    };
+    const over = ([r, g, b, a], below) => [r, g, b].map((v, i) => v * a + below[i] * (1 - a));
+    const luminance = (color) => color.map((v) => (v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4)).reduce((sum, v, i) => sum + v * [0.2126, 0.7152, 0.0722][i], 0);
+    const contrast = (a, b) => {
+      const [low, high] = [luminance(a), luminance(b)].sort((x, y) => x - y);
+      return (high + 0.05) / (low + 0.05);
+    };
+    const weak = [];
+    for (const node of incomplete.flatMap((rule) => rule.nodes)) {
+      const element = document.querySelector(node.target.at(-1));
+      let behind = element;
+      while (rgba(getComputedStyle(behind).backgroundColor)[3] === 0 && behind.parentElement) behind = behind.parentElement;
+      const { color, fill } = getComputedStyle(element);
+      const [text, back] = [rgba(element instanceof SVGElement ? fill : color), rgba(getComputedStyle(behind).backgroundColor)];
+      const least = Math.min(...[[0, 0, 0], [1, 1, 1]].map((below) => contrast(over(text, over(back, below)), over(back, below))));
+      if (!(least >= 4.5)) weak.push(`${least.toFixed(2)}: ${element.outerHTML.slice(0, 160)}`);
+    }
+    return weak;
+  });
+}

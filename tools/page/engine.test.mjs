@@ -7,6 +7,7 @@ import { tmpdir } from "node:os";
 import { basename, dirname, extname, join, resolve } from "node:path";
 import { after, before, test } from "node:test";
 import { launch } from "./browser.mjs";
+import { stated, text } from "./studio.mjs";
 
 const here = import.meta.dirname;
 const pages = join(here, "../../crates/smalti-serve/pages/studio");
@@ -14,8 +15,8 @@ const module = process.env.SMALTI_STUDIO_MODULE ?? join(here, "../../crates/smal
 const maker = resolve(process.env.SMALTI_STUDIO_ASSETS ?? join(here, "../../target/debug/examples/studio_assets"));
 const TYPES = { ".js": "text/javascript", ".html": "text/html", ".json": "application/json" };
 const POLICY = "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; worker-src 'self'; connect-src 'self'";
-// Times are those of a machine that does something else as well: the best of some runs is held against the limits.
-const RUNS = 3;
+// All times count. A machine that does something else as well delays some of them: 95 % may take twice as long as the median may.
+const within = (found, limit) => found.median <= limit && found.p95 <= 2 * limit;
 
 let dir;
 let server;
@@ -70,13 +71,6 @@ const begun = () => page.evaluate(async () => {
   return { ms: performance.now() - start, scenes: engine.scenes, width: picture.width, height: picture.height, bytes: picture.rgba.length };
 });
 
-const stated = (times) => {
-  const sorted = [...times].sort((a, b) => a - b);
-  const at = (share) => sorted[Math.min(sorted.length - 1, Math.ceil(share * sorted.length) - 1)];
-  return { median: at(0.5), p95: at(0.95), most: sorted.at(-1) };
-};
-const text = ({ median, p95, most }) => `${median.toFixed(1)} ms in the median, ${p95.toFixed(1)} ms in 95 %, at most ${most.toFixed(1)} ms`;
-
 test("the first picture is there within two seconds", async () => {
   const first = await begun();
   console.log(`# from the import of the engine to the first picture: ${first.ms.toFixed(0)} ms`);
@@ -87,26 +81,23 @@ test("the first picture is there within two seconds", async () => {
 });
 
 test("a changed filter gives a new learned picture of 256 × 256 pixels in a twentieth of a second", async () => {
-  let best = null;
-  for (let run = 0; run < RUNS && !(best?.p95 <= 50); run += 1) {
-    const times = await page.evaluate(async () => {
-      const all = [];
-      const [scene] = engine.scenes;
-      for (let i = 0; i < 60; i += 1) {
-        const design = with_filter("R", { gaussian: { center_nm: 590 + i, sigma_nm: 35, peak: 0.9 } });
-        const start = performance.now();
-        const picture = await engine.draw({ design, scene: scene.id, luminance: 10, crop: { row: 0, col: 16, rows: 256, cols: 256 } });
-        all.push([performance.now() - start, picture.timings_ms.learn, picture.timings_ms.draw]);
-      }
-      // The first one learns the mosaic and gathers the light.
-      return all.slice(5);
-    });
-    const found = stated(times.map(([ms]) => ms));
-    const part = (i) => stated(times.map((t) => t[i])).median.toFixed(1);
-    console.log(`# picture after a change of a filter: ${text(found)}; learning ${part(1)} ms, capture and rendering ${part(2)} ms`);
-    if (!best || found.p95 < best.p95) best = found;
-  }
-  assert.ok(best.median <= 50 && best.p95 <= 50, text(best));
+  // The page draws the whole scene, 288 × 384 pixels, which takes longer.
+  const times = await page.evaluate(async () => {
+    const all = [];
+    const [scene] = engine.scenes;
+    for (let i = 0; i < 125; i += 1) {
+      const design = with_filter("R", { gaussian: { center_nm: 560 + i, sigma_nm: 35, peak: 0.9 } });
+      const start = performance.now();
+      const picture = await engine.draw({ design, scene: scene.id, luminance: 10, crop: { row: 0, col: 16, rows: 256, cols: 256 } });
+      all.push([performance.now() - start, picture.timings_ms.learn, picture.timings_ms.draw]);
+    }
+    // The first one learns the mosaic and gathers the light.
+    return all.slice(5);
+  });
+  const found = stated(times.map(([ms]) => ms));
+  const part = (i) => stated(times.map((t) => t[i])).median.toFixed(1);
+  console.log(`# picture after a change of a filter: ${text(found)}; learning ${part(1)} ms, capture and rendering ${part(2)} ms`);
+  assert.ok(within(found, 50), text(found));
 });
 
 test("the whole view takes half a second, whatever changes", async () => {
@@ -138,7 +129,7 @@ test("the whole view takes half a second, whatever changes", async () => {
     const found = stated(times.map(([ms]) => ms));
     const part = (i) => stated(times.map((t) => t[i])).median.toFixed(0);
     console.log(`# whole view after a change of ${what}: ${text(found)}; learning ${part(1)}, drawing ${part(2)}, scores of the picture ${part(3)} ms`);
-    if (found.median > 500 || found.p95 > 500) failed.push(`${what}: ${text(found)}`);
+    if (!within(found, 500)) failed.push(`${what}: ${text(found)}`);
   }
   assert.deepEqual(failed, []);
 });
@@ -149,17 +140,17 @@ test("the light behind another lens is gathered once, and designs of both lenses
     const other = structuredClone(with_filter("G", { builtin: "pigment/G" }));
     other.optics.f_number = 2.8;
     other.sensor.pixel.pitch_um = 1.4;
-    const wait = engine.light(other, ["training", { scene }]);
+    const waits = !engine.hasLight(other, ["training", { scene }]);
     const start = performance.now();
-    await wait;
+    await engine.light(other, ["training", { scene }]);
     const gathered = performance.now() - start;
     const draw = async (design) => [...(await engine.draw({ design, scene, luminance: 10 })).rgba];
     const [a, b, c] = [await draw(camera), await draw(other), await draw(camera)];
     const same = (x, y) => x.length === y.length && x.every((v, i) => v === y[i]);
-    const again = engine.light(other, ["training", { scene }]);
+    const again = engine.hasLight(other, ["training", { scene }]);
     const array = await engine.scores(other, []);
     const expected = await engine.scores(other, [10]);
-    return { waits: wait !== undefined, gathered, same: same(a, c), differs: !same(a, b), again: again === undefined, array: array.expected.length, expected: expected.expected[0].cpsnr_db };
+    return { waits, gathered, same: same(a, c), differs: !same(a, b), again, array: array.expected.length, expected: expected.expected[0].cpsnr_db };
   });
   console.log(`# light behind another lens: ${found.gathered.toFixed(0)} ms to the first picture`);
   assert.ok(found.waits && found.same && found.differs && found.again, JSON.stringify(found));
@@ -216,21 +207,26 @@ test("of many calls the latest counts", async () => {
   const found = await page.evaluate(async () => {
     const draw = (i) => engine.draw({ design: with_filter("R", { gaussian: { center_nm: 600 + i, sigma_nm: 30 } }), scene: engine.scenes[0].id, luminance: 10 });
     const all = await Promise.all(Array.from({ length: 30 }, (_, i) => draw(i)));
-    return all.map((picture) => picture !== null);
+    // Figures for another part of the page do not take the place of those that are shown.
+    const figures = await Promise.all([engine.scores(camera, [10]), engine.scores(camera, [10], { asker: "other" }), engine.scores(camera, [20]), engine.scores(camera, [30], { asker: "other" })]);
+    return [all, figures].map((results) => results.map((result) => result !== null));
   });
-  assert.equal(found.at(-1), true);
-  assert.ok(found.filter(Boolean).length <= 2, JSON.stringify(found));
+  const [pictures, figures] = found;
+  assert.equal(pictures.at(-1), true);
+  assert.ok(pictures.filter(Boolean).length <= 2, JSON.stringify(pictures));
+  // The first one is at work when the others come.
+  assert.deepEqual(figures, [true, false, true, true]);
 });
 
 test("figures, curves and an improvement", async () => {
   const found = await page.evaluate(async () => {
-    const scores = await engine.scores(camera, [1, 10, 80], { derivatives: true });
+    const scores = await engine.scores(camera, [1, 10, 80]);
     const curves = await engine.curves(camera);
     const design = with_filter("R", { gaussian: { center_nm: 560, sigma_nm: 35, peak: 0.9 } });
     const steps = [];
     const abort = new AbortController();
     const last = await engine.improve(design, { filters: ["B"], mosaic: true }, [10], (step) => { steps.push(step.cost); if (steps.length === 6) abort.abort(); }, abort.signal);
-    const toml = await engine.camera_toml(last.design);
+    const toml = await engine.cameraToml(last.design);
     const again = await engine.parse(toml);
     return { scores, curves, steps, last, toml, same: JSON.stringify(again.sensor.cfa) === JSON.stringify(last.design.sensor.cfa) };
   });
@@ -238,7 +234,6 @@ test("figures, curves and an improvement", async () => {
   assert.equal(scores.expected.length, 3);
   assert.ok(scores.expected[0].cpsnr_db < scores.expected[2].cpsnr_db);
   assert.ok(scores.array.vora_value > 0.5 && scores.array.photon_efficiency > 0.1, JSON.stringify(scores.array));
-  assert.deepEqual(Object.keys(scores.derivatives.cpsnr_db).sort(), curves.channels.map((c) => c.letter).sort());
   assert.equal(curves.wavelengths_nm.length, 31);
   assert.match(curves.channels[0].color, /^#[0-9a-f]{6}$/);
   assert.equal(steps.length, 6);
@@ -267,4 +262,49 @@ test("what is wrong is said, and the engine goes on", async () => {
   assert.match(await refused("engine.parse('x'.repeat(2 ** 21))"), /at most/);
   assert.equal(await refused(draw("camera")), null);
   assert.deepEqual(faults, []);
+});
+
+test("a worker whose module traps, or whose script fails, is replaced, and requests are answered", async () => {
+  await page.evaluate(async () => {
+    window.ends = [];
+    const { Engine } = await import("/engine.js");
+    window.engine = await Engine.start("/assets/", (message) => window.ends.push(message));
+    // A photograph, which another worker needs as well, and another lens.
+    const photograph = new ImageData(48, 32);
+    photograph.data.fill(200);
+    window.own = await engine.addPhotograph("wall", photograph);
+    window.other = structuredClone(camera);
+    other.optics.f_number = 2.8;
+    window.answers = async () => {
+      const pictures = [];
+      for (const [design, scene] of [[camera, engine.scenes[0].id], [other, engine.scenes[0].id], [other, own.id]]) {
+        pictures.push([...(await engine.draw({ design, scene, luminance: 10 })).rgba].reduce((sum, v) => (sum * 31 + v) | 0, 0));
+      }
+      return JSON.stringify([pictures, (await engine.scores(camera, [10])).expected.map((e) => e.cpsnr_db), (await engine.curves(camera)).mosaic]);
+    };
+    window.first = await answers();
+  });
+  const fail = (how) => Promise.all(page.workers().map((worker) => worker.evaluate(how)));
+  const trap = () => fail(() => {
+    const { decode } = TextDecoder.prototype;
+    TextDecoder.prototype.decode = () => {
+      TextDecoder.prototype.decode = decode;
+      throw new WebAssembly.RuntimeError("unreachable");
+    };
+  });
+  await trap();
+  assert.ok(await page.evaluate(async () => await answers() === first));
+  // The workers of the pictures and of the figures ended, each told once.
+  assert.deepEqual(await page.evaluate(() => window.ends.splice(0)), Array(2).fill("the simulator failed: unreachable"));
+  await fail(() => { setTimeout(() => { throw new Error("broken"); }); });
+  await page.waitForFunction(() => window.ends.length >= 2);
+  assert.ok(await page.evaluate(async () => await answers() === first));
+  // Light that has to be gathered anew, by a worker that traps as well.
+  await trap();
+  const again = await page.evaluate(async () => {
+    const third = structuredClone(camera);
+    third.optics.f_number = 5.6;
+    return (await engine.draw({ design: third, scene: own.id, luminance: 10 })).width;
+  });
+  assert.equal(again, 48);
 });

@@ -1,5 +1,5 @@
 // Makes the pictures of the studio in the documentation for tools/make_pictures.py: `SMALTI FOLDER`. Each shows what RGBW changes against the
-// pinned Bayer mosaic, in light and dark colours, on a wide window and on a telephone.
+// pinned Bayer mosaic, in light and dark colours, on a wide window and on a phone.
 import { spawn } from "node:child_process";
 import { once } from "node:events";
 import { join, resolve } from "node:path";

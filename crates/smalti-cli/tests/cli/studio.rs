@@ -28,6 +28,15 @@ fn an_exported_page_needs_nothing_but_its_folder() {
     }
     // The camera with which it opens is complete.
     assert!(place.ok("show deep/site/start.toml --as camera").contains("rgbw"));
+    // The largest page of a built-in camera, and that of one with crosstalk, whose statistics have a larger patch elsewhere. No browser runs them from a file.
+    for camera in ["cmv12000", "phone"] {
+        let run = place.run(&["studio", camera, "--export", camera]);
+        assert_eq!(run.code, 0, "{}", run.err);
+        let bytes = bytes_in(&place.path(camera));
+        assert!(bytes <= MOST_BYTES, "{camera}: {bytes} bytes");
+        let serve = format!("`python3 -m http.server --directory {camera}`");
+        assert!(run.err.contains(&serve), "{}", run.err);
+    }
     let again = place.run(&["studio", "bayer", "--export", "deep/site"]);
     assert_eq!(again.code, 1);
     assert!(

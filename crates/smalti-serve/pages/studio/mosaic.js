@@ -6,12 +6,14 @@ import { MAX_SIDE, addFilter, images, letterAt, letters, paint, removeFilter, re
 /** @typedef {import("./store.js").Store} Store */
 /** @typedef {import("./engine.js").Engine} Engine */
 
-/** The ink that reads on a colour. @param {string} color `#rrggbb` */
+/** The ink that reads on a colour: of black and white, that with more contrast, which is at least 4.58:1. @param {string} color `#rrggbb` */
 function inkOn(color) {
-  const [r, g, b] = [1, 3, 5].map((i) => (parseInt(color.slice(i, i + 2), 16) / 255) ** 2.2);
-  return 0.2126 * r + 0.7152 * g + 0.0722 * b > 0.18 ? "#111111" : "#ffffff";
+  const [r, g, b] = [1, 3, 5].map((i) => parseInt(color.slice(i, i + 2), 16) / 255).map((v) => (v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4));
+  return 0.2126 * r + 0.7152 * g + 0.0722 * b > 0.179 ? "#000000" : "#ffffff";
 }
 
+/** Tiles with a longer side take the whole width of the panel. */
+const LARGE_SIDE = 6;
 const ARROWS = /** @type {Record<string, [number, number]>} */ ({ ArrowUp: [-1, 0], ArrowDown: [1, 0], ArrowLeft: [0, -1], ArrowRight: [0, 1] });
 
 /**
@@ -92,9 +94,19 @@ export function setUpMosaic(store, catalogue, colors) {
     const [row, col] = (cell.dataset.cell ?? "").split(",").map(Number);
     return [row, col];
   }
+  /** Whether the finger that is down scrolls a large tile in its box, so that only a tap paints. */
+  let isScrolling = false;
+  grid.addEventListener("click", (event) => {
+    const at = under(/** @type {PointerEvent} */ (event));
+    if (!isScrolling || !at) return;
+    focus(...at);
+    if (lockCells.checked) lockAt(...at);
+    else paintAt(...at, store.selected, `stroke ${++stroke}`);
+  });
   grid.addEventListener("pointerdown", (event) => {
     const at = under(event);
-    if (!at || event.button !== 0) return;
+    isScrolling = event.pointerType === "touch" && getComputedStyle(grid).touchAction !== "none";
+    if (!at || event.button !== 0 || isScrolling) return;
     event.preventDefault();
     focus(...at);
     if (lockCells.checked) return lockAt(...at);
@@ -187,6 +199,7 @@ export function setUpMosaic(store, catalogue, colors) {
       grid.replaceChildren(...Array.from({ length: rows }, (_, row) => make("div", { role: "row" }, ...Array.from({ length: cols }, (_, col) => cell(row, col)))));
       grid.style.setProperty("--cols", String(cols));
       grid.style.setProperty("--side", String(Math.max(rows, cols)));
+      grid.parentElement?.toggleAttribute("data-large", Math.max(rows, cols) > LARGE_SIDE);
       grid.setAttribute("aria-rowcount", String(rows));
       grid.setAttribute("aria-colcount", String(cols));
       if (hadFocus) cellAt(atRow, atCol).focus();

@@ -1,0 +1,192 @@
+// How the studio looks and how fast it is: accessibility, narrow screens, times, and what it shows when something fails.
+import assert from "node:assert/strict";
+import { join } from "node:path";
+import { after, before, test } from "node:test";
+import { axe, weakContrast } from "./browser.mjs";
+import { cells, pixels, settled, stated, studio, text } from "./studio.mjs";
+
+let own;
+before(async () => { own = await studio(); });
+after(() => own?.end());
+const open = (...args) => own.open(...args);
+
+for (const colorScheme of ["light", "dark"]) {
+  test(`it is accessible and fits from 360 px to 4K in ${colorScheme}`, async () => {
+    const { page, faults, close } = await open({ colorScheme });
+    // A mosaic with a clear filter, and a difference from what is pinned.
+    await page.getByLabel("Start from").selectOption("rgbw");
+    await page.getByLabel("Preset").selectOption({ label: "phone" });
+    await settled(page);
+    await page.keyboard.press("Control+z");
+    await page.getByText("Definitions", { exact: true }).press("Enter");
+    await page.getByText("Peak signal-to-noise ratio of the picture against the reference. Higher is better.").waitFor();
+    await settled(page);
+    for (const [width, height] of [[360, 800], [390, 844], [1440, 900], [3840, 2160]]) {
+      await page.setViewportSize({ width, height });
+      await page.waitForTimeout(100);
+      assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), `${width}`);
+      assert.deepEqual(await axe(page), [], `${width}`);
+      // The colours of narrow and wide windows are the same.
+      if (width === 1440) assert.deepEqual(await weakContrast(page), []);
+      if (process.env.SMALTI_PICTURES) await page.screenshot({ path: join(process.env.SMALTI_PICTURES, `studio-${width}-${colorScheme}.png`), fullPage: width < 1000 });
+    }
+    // axe.run is evaluated in the page, whose policy admits no other script.
+    assert.deepEqual(faults.filter((f) => !f.includes("Content Security Policy")), []);
+    await close();
+  });
+}
+
+test("the cells of the largest tile can be hit on a narrow screen, where a finger scrolls and a tap paints", async () => {
+  const { page, faults, close } = await open({ viewport: { width: 360, height: 800 }, hasTouch: true, isMobile: true });
+  for (const side of ["Rows", "Columns"]) {
+    await page.getByLabel(side).fill("16");
+    await page.getByLabel(side).press("Enter");
+  }
+  const cell = page.getByRole("gridcell", { name: "Row 2, column 3:" });
+  const { width, height } = await cell.boundingBox();
+  assert.ok(width >= 24 && height >= 24, `${width} × ${height}`);
+  assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth));
+  await page.getByRole("radio", { name: "Filter B" }).tap();
+  await cell.tap();
+  assert.equal((await cells(page))[1].slice(0, 4), "GBBB");
+  // Out of sight, with the keyboard.
+  await page.keyboard.press("End");
+  assert.ok(await page.locator("#grid").evaluate((grid) => grid.scrollLeft > 0));
+  await settled(page);
+  assert.deepEqual(faults, []);
+  await close();
+});
+
+test("a worker that fails is replaced, the picture follows, and the page says so once", async () => {
+  const { page, faults, close } = await open();
+  const begun = await pixels(page);
+  // The next answer of each worker is a trap of the module.
+  for (const worker of page.workers()) {
+    await worker.evaluate(() => {
+      const { decode } = TextDecoder.prototype;
+      TextDecoder.prototype.decode = () => {
+        TextDecoder.prototype.decode = decode;
+        throw new WebAssembly.RuntimeError("unreachable");
+      };
+    });
+  }
+  await page.getByRole("radio", { name: "Filter B" }).click();
+  await page.getByRole("gridcell", { name: "Row 1, column 2" }).click();
+  await page.locator("#message[data-kind=trouble]", { hasText: "The simulator of this page failed, for example for lack of memory, and was started again." }).waitFor();
+  await settled(page);
+  assert.notEqual(await pixels(page), begun);
+  await page.getByRole("button", { name: "Dismiss the message" }).click();
+  await page.keyboard.press("Control+z");
+  await settled(page);
+  assert.equal(await pixels(page), begun);
+  assert.equal(await page.locator("#message").getAttribute("data-kind"), null, "once");
+  assert.deepEqual(faults, []);
+  await close();
+});
+
+test("a picture does not remove the message about the figures", async () => {
+  const { page, close } = await open({}, undefined, (p) => p.route("**/statistics.bin", (route) => route.fulfill({ status: 404 })), (p) => p.locator("#message[data-kind=trouble]", { hasText: "statistics.bin is missing" }).waitFor());
+  await page.locator("#wait").waitFor({ state: "hidden" });
+  const begun = await pixels(page);
+  await page.getByRole("radio", { name: "Filter B" }).click();
+  await page.getByRole("gridcell", { name: "Row 1, column 2" }).click();
+  await page.waitForFunction(() => document.querySelector(".delta[data-kind=better], .delta[data-kind=worse]"), null, { timeout: 60_000 });
+  assert.notEqual(await pixels(page), begun);
+  assert.match(await page.locator("#message[data-kind=trouble]").textContent(), /statistics\.bin is missing/);
+  await close();
+});
+
+test("a pinned picture of other conditions is not shown", async () => {
+  const { page, faults, close } = await open();
+  await page.getByRole("radio", { name: "Filter B" }).click();
+  await page.getByRole("gridcell", { name: "Row 1, column 2" }).click();
+  await page.getByLabel("Against").selectOption("pin");
+  await page.locator('[data-view="other"]').click();
+  await settled(page);
+  assert.equal(await page.locator("#caption").textContent(), "Pinned: bayer");
+  await page.evaluate(() => {
+    window.captions = [];
+    const caption = document.getElementById("caption");
+    new MutationObserver(() => window.captions.push(caption.textContent)).observe(caption, { childList: true });
+  });
+  const begun = await pixels(page);
+  await page.locator("#scene").selectOption("spices");
+  await settled(page);
+  assert.notEqual(await pixels(page), begun);
+  assert.deepEqual([...new Set(await page.evaluate(() => window.captions))], ["Pinned: bayer, being computed…", "Pinned: bayer"]);
+  assert.deepEqual(faults, []);
+  await close();
+});
+
+// All times count. A machine that does something else as well delays some of them: 95 % may take twice as long as the median may.
+const within = (found, limit) => assert.ok(found.median <= limit && found.p95 <= 2 * limit, text(found));
+
+test("a new picture is on the canvas a tenth of a second after a movement of the pointer that drags a filter", async () => {
+  // Each picture is a layer of its own that is drawn onto the canvas.
+  const { page, faults, close } = await open({}, undefined, (p) => p.addInitScript(() => {
+    const draw = CanvasRenderingContext2D.prototype.drawImage;
+    let last;
+    window.drawn = [];
+    CanvasRenderingContext2D.prototype.drawImage = function (layer, ...rest) {
+      if (layer instanceof HTMLCanvasElement && layer !== last) {
+        last = layer;
+        window.drawn.push(performance.now());
+      }
+      return draw.call(this, layer, ...rest);
+    };
+    addEventListener("pointermove", (event) => { window.moved = event.timeStamp; }, { capture: true });
+  }));
+  await page.getByRole("radio", { name: "Filter G" }).click();
+  await page.getByLabel("Shape of filter G").selectOption("gaussian");
+  await settled(page);
+  const handle = page.getByRole("slider", { name: "G: Centre and peak" });
+  await handle.scrollIntoViewIfNeeded();
+  const box = await handle.boundingBox();
+  const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
+  await page.mouse.move(x, y);
+  await page.mouse.down();
+  const times = [];
+  for (let i = 1; i <= 65; i += 1) {
+    const count = await page.evaluate(() => window.drawn.length);
+    await page.mouse.move(x + (i < 33 ? i : 65 - i), y + 10 + i % 3);
+    await page.waitForFunction((n) => window.drawn.length > n, count, { polling: 5, timeout: 10_000 });
+    times.push(await page.evaluate((n) => window.drawn[n] - window.moved, count));
+  }
+  await page.mouse.up();
+  // The first ones learn the mosaic.
+  const found = stated(times.slice(5));
+  console.log(`# from a movement of the pointer to the new picture on the canvas: ${text(found)}`);
+  within(found, 100);
+  await settled(page);
+  assert.deepEqual(faults, []);
+  await close();
+});
+
+test("picture, scores and their differences follow a change in half a second", async () => {
+  const { page, faults, close } = await open();
+  await page.getByLabel("Start from").selectOption("rgbw");
+  await page.getByRole("radio", { name: "Filter G" }).click();
+  await page.getByLabel("Shape of filter G").selectOption("gaussian");
+  await settled(page);
+  const times = await page.evaluate(async () => {
+    const field = document.querySelector('[data-parameter="center_nm"]');
+    const root = document.documentElement;
+    const all = [];
+    for (let i = 0; i < 61; i += 1) {
+      const begun = performance.now();
+      field.value = String(500 + i);
+      field.dispatchEvent(new Event("input", { bubbles: true }));
+      await new Promise((resolve) => {
+        const watch = new MutationObserver(() => { if (root.dataset.settled !== undefined) { watch.disconnect(); resolve(); } });
+        watch.observe(root, { attributes: true, attributeFilter: ["data-settled"] });
+      });
+      all.push(performance.now() - begun);
+    }
+    return all.slice(1);
+  });
+  const found = stated(times);
+  console.log(`# whole page after a change of a filter: ${text(found)}`);
+  within(found, 500);
+  assert.deepEqual(faults, []);
+  await close();
+});

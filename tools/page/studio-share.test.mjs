@@ -1,0 +1,227 @@
+// What the studio opens, saves and shares: addresses, camera files, photographs, cameras that it does not simulate in full, and the exported folder.
+import assert from "node:assert/strict";
+import { once } from "node:events";
+import { readFile, writeFile } from "node:fs/promises";
+import { createServer } from "node:http";
+import { extname, join } from "node:path";
+import { after, before, test } from "node:test";
+import { pathToFileURL } from "node:url";
+import { crc32, deflateSync } from "node:zlib";
+import { cells, pixels, saved, score, settled, studio, toml } from "./studio.mjs";
+
+let own;
+before(async () => { own = await studio(); });
+after(() => own?.end());
+const open = (...args) => own.open(...args);
+
+test("a shared address opens the same design, and the saved camera file is that of the command", async () => {
+  const { page, faults, close } = await open();
+  await page.getByLabel("Start from").selectOption("rgbw");
+  await page.getByLabel("Name of the design").fill("night <b>");
+  await page.getByLabel("Name of the design").press("Enter");
+  await page.getByLabel("Read noise").fill("2.5");
+  await page.getByLabel("Luminance", { exact: true }).press("Home");
+  await settled(page);
+  await page.getByRole("button", { name: "Share" }).click();
+  await page.waitForFunction(() => location.hash.length > 10);
+  const address = page.url();
+  assert.match(address, /#1\.[\w-]+$/);
+  const picture = await pixels(page);
+  const file = await saved(page, "Save camera.toml");
+  assert.equal(file.name, "night-b.toml");
+  await writeFile(join(own.dir, "night.toml"), file.content);
+  const shown = JSON.parse(own.run("show", "night.toml", "--json"));
+  assert.equal(shown.name ?? shown.description.name, "night <b>");
+  assert.deepEqual(shown.description.sensor.cfa.pattern, await cells(page));
+  const { read_noise_mv, read_noise_e, conversion_gain_uv_per_e } = shown.description.sensor.pixel;
+  assert.ok(Math.abs((read_noise_e ?? read_noise_mv * 1000 / conversion_gain_uv_per_e) - 2.5) < 1e-9);
+  const csv = await saved(page, "Save curves as CSV");
+  assert.match(csv.content.toString(), /^wavelength_nm,transmittance_R,.*quantum_efficiency_R,.*lens_transmittance,light_relative\n/);
+  const png = await saved(page, "Save picture as PNG");
+  assert.deepEqual([...png.content.subarray(1, 4)], [..."PNG"].map((c) => c.charCodeAt(0)));
+  assert.deepEqual(faults, []);
+  await close();
+  const other = await open({}, address);
+  assert.equal(await other.page.getByLabel("Name of the design").inputValue(), "night <b>");
+  assert.equal(await pixels(other.page), picture);
+  assert.equal(await other.page.locator("#luminance-value").textContent(), "0.1 cd/m²");
+  // The camera file opens too, as a step that can be undone; what is no camera is refused with the reason.
+  await other.page.locator("#file").setInputFiles({ name: "mine.toml", mimeType: "text/plain", buffer: Buffer.from(file.content.toString().replace('name = "night <b>"', 'name = "mine"')) });
+  await other.page.waitForFunction(() => document.getElementById("name").value === "mine");
+  await other.page.locator("#file").setInputFiles({ name: "bad.toml", mimeType: "text/plain", buffer: Buffer.from("[sensor]\nrows = \"many\"\n") });
+  await other.page.locator("#message[data-kind=trouble]", { hasText: "rows" }).waitFor();
+  // The results of a comparison: the first camera, with the second one pinned.
+  const { description: rival } = JSON.parse(own.run("show", "bayer", "--json"));
+  const results = (cameras) => ({ name: "results.json", mimeType: "application/json", buffer: Buffer.from(JSON.stringify({ cameras })) });
+  await other.page.locator("#file").setInputFiles(results([{ ...shown.description, name: "first" }, { ...rival, name: "second" }]));
+  await other.page.waitForFunction(() => document.getElementById("name").value === "first");
+  await other.page.locator("#pinned", { hasText: "Against the pinned second" }).waitFor();
+  await other.page.locator("#file").setInputFiles(results([]));
+  await other.page.locator("#message[data-kind=trouble]", { hasText: "it holds no camera" }).waitFor();
+  await other.page.locator("#file").setInputFiles({ name: "red.csv", mimeType: "text/csv", buffer: Buffer.from("nm,percent\n400,0\n600,10\n610,90\n700,80\n") });
+  await other.page.locator("#message", { hasText: "read as percent" }).waitFor();
+  assert.deepEqual(other.faults, []);
+  await other.close();
+  const broken = await open({}, `${address.slice(0, -20)}`);
+  await broken.page.locator("#message[data-kind=trouble]", { hasText: "the address is cut off or changed" }).waitFor();
+  await broken.close();
+});
+
+test("an address that is pasted into the open page opens its design, which can be undone", async () => {
+  const { page, close } = await open();
+  await page.getByLabel("Start from").selectOption("rgbw");
+  await page.locator("#scene").selectOption("spices");
+  await page.getByLabel("Luminance", { exact: true }).press("End");
+  await settled(page);
+  await page.getByRole("button", { name: "Share" }).click();
+  await page.waitForFunction(() => location.hash.length > 10);
+  const [address, mosaic] = [page.url(), await cells(page)];
+  await close();
+  const other = await open();
+  assert.notDeepEqual(await cells(other.page), mosaic);
+  await other.page.goto(address);
+  await other.page.locator("#message", { hasText: "of the address is open" }).waitFor();
+  await settled(other.page);
+  assert.deepEqual(await cells(other.page), mosaic);
+  assert.equal(await other.page.locator("#scene").inputValue(), "spices");
+  assert.equal(await other.page.locator("#luminance-value").textContent(), "1000 cd/m²");
+  await other.page.keyboard.press("Control+z");
+  assert.deepEqual(await cells(other.page), ["RG", "GB"]);
+  await other.page.evaluate(() => { location.hash = "#1.broken"; });
+  await other.page.locator("#message[data-kind=trouble]", { hasText: "The design in the address cannot be opened" }).waitFor();
+  assert.deepEqual(other.faults, []);
+  await other.close();
+});
+
+test("a camera stays as stated when the page does not simulate all of it, and the page says so until it is dismissed", async () => {
+  const { page, faults, close } = await open();
+  const note = page.locator("#limits");
+  assert.ok(await note.isHidden());
+  for (const [camera, ...left] of [
+    ["phone", "crosstalk", "exposure by a percentile of the illuminance"], ["phone-quad-binned", "binning"], ["rgbx", "its wavelengths of 400 to 1000 nm"],
+  ]) {
+    await page.getByLabel("Preset").selectOption({ label: camera });
+    await settled(page);
+    const said = await note.innerText();
+    for (const words of [`for ${camera}: `, ...left]) assert.ok(said.includes(words), `${camera}: ${said}`);
+    await writeFile(join(own.dir, "stated.toml"), await toml(page));
+    const [found, expected] = ["stated.toml", camera].map((name) => JSON.parse(own.run("show", name, "--json")).description);
+    // The mosaic is written out in letters.
+    for (const description of [found, expected]) delete description.sensor.cfa;
+    assert.deepEqual(found, expected);
+  }
+  // Also for a pinned camera alone, until it is dismissed.
+  await page.getByLabel("Preset").selectOption({ label: "bayer" });
+  assert.ok(await note.isHidden());
+  await page.keyboard.press("Control+z");
+  await page.getByRole("button", { name: "Pin", exact: true }).click();
+  await page.keyboard.press("Control+Shift+z");
+  assert.match(await note.innerText(), /for the pinned rgbx: /);
+  await page.getByRole("button", { name: "Dismiss the note" }).click();
+  assert.ok(await note.isHidden());
+  await settled(page);
+  assert.deepEqual(faults, []);
+  await close();
+});
+
+// A PNG file of one colour with a line of another one.
+function png(width, height) {
+  const chunk = (type, data) => {
+    const body = Buffer.concat([Buffer.from(type), data]);
+    const [length, sum] = [Buffer.alloc(4), Buffer.alloc(4)];
+    length.writeUInt32BE(data.length);
+    sum.writeUInt32BE(crc32(body));
+    return Buffer.concat([length, body, sum]);
+  };
+  const header = Buffer.alloc(13);
+  header.writeUInt32BE(width, 0);
+  header.writeUInt32BE(height, 4);
+  header.set([8, 2], 8);
+  const line = (row) => Buffer.concat([Buffer.from([0]), Buffer.alloc(3 * width, Buffer.from(row % 16 === 0 ? [240, 240, 240] : [180, 90, 60]))]);
+  const rows = height > 4096 ? Buffer.alloc(16) : Buffer.concat(Array.from({ length: height }, (_, row) => line(row)));
+  return Buffer.concat([Buffer.from("\x89PNG\r\n\x1a\n", "latin1"), chunk("IHDR", header), chunk("IDAT", deflateSync(rows)), chunk("IEND", Buffer.alloc(0))]);
+}
+
+test("a photograph becomes a scene and stays in the browser; what is none is refused", async () => {
+  const { page, faults, close } = await open();
+  const sent = [];
+  page.on("request", (r) => { if (r.method() !== "GET" || r.postData() !== null) sent.push(r.url()); });
+  const begun = await pixels(page);
+  await page.locator("#photo").setInputFiles({ name: "wall.png", mimeType: "image/png", buffer: png(2000, 900) });
+  await page.locator("#message", { hasText: /wall is a scene of 942 × 424 pixels now, in daylight. Its spectra are estimated .* It stays in this browser/ }).waitFor();
+  await settled(page);
+  assert.notEqual(await pixels(page), begun);
+  assert.equal(await page.locator("#scene option:checked").textContent(), "wall");
+  assert.ok(await score(page, "CPSNR") > 15);
+  // Dropped, behind another lens too.
+  await page.getByLabel("f-number").fill("2.8");
+  await page.getByLabel("f-number").press("Enter");
+  await settled(page);
+  await page.evaluate(async (bytes) => {
+    const data = new DataTransfer();
+    data.items.add(new File([new Uint8Array(bytes)], "small.png", { type: "image/png" }));
+    document.dispatchEvent(new DragEvent("drop", { dataTransfer: data, cancelable: true }));
+  }, [...png(64, 48)]);
+  await page.locator("#message", { hasText: "small is a scene of 64 × 48 pixels" }).waitFor();
+  await settled(page);
+  assert.equal(await page.locator("#scene optgroup[label='Your photographs'] option").count(), 2);
+  // An address does not hold the photograph, and says so where it is sent and where it is opened.
+  await page.getByRole("button", { name: "Share" }).click();
+  await page.locator("#message", { hasText: "The photograph is not in it." }).waitFor();
+  const other = await open({}, page.url());
+  await other.page.locator("#message", { hasText: "The scene of this address is a photograph of the sender, which is not in the address. Paint brushes is shown." }).waitFor();
+  assert.equal(await other.page.locator("#scene").inputValue(), "brushes");
+  await other.close();
+  const refused = async (name, mimeType, buffer, text) => {
+    await page.locator("#photo").setInputFiles({ name, mimeType, buffer });
+    await page.locator("#message[data-kind=trouble]", { hasText: text }).waitFor();
+  };
+  await refused("huge.png", "image/png", png(60_000, 60_000), "huge.png: it has 60000 × 60000 pixels; expected at most 120 megapixels");
+  await refused("cut.png", "image/png", png(300, 200).subarray(0, 60), "cut.png: the file is damaged");
+  await refused("tiny.png", "image/png", png(20, 400), "expected at least 32 pixels along each side");
+  await refused("moving.gif", "image/gif", Buffer.from("GIF89a"), "moving.gif: it is neither a PNG nor a JPEG file");
+  await refused("false.jpg", "image/jpeg", Buffer.from("no picture at all"), "false.jpg: it is neither a PNG nor a JPEG file");
+  assert.deepEqual(sent, []);
+  assert.deepEqual(faults, []);
+  await close();
+});
+
+test("the exported folder works from any web server, and nothing moves while it starts", async () => {
+  const types = { ".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".json": "application/json" };
+  const other = createServer(async (request, response) => {
+    const path = new URL(request.url, "http://x").pathname.replace(/^\/deep\//, "/").replace(/\/$/, "/index.html");
+    try {
+      response.setHeader("Content-Type", types[extname(path)] ?? "application/octet-stream");
+      response.end(await readFile(join(own.dir, "site", path)));
+    } catch {
+      response.writeHead(404).end();
+    }
+  });
+  other.listen(0, "127.0.0.1");
+  await once(other, "listening");
+  const { page, faults, close } = await open({}, `http://127.0.0.1:${other.address().port}/deep/`);
+  assert.deepEqual(await cells(page), ["RG", "GB"]);
+  // It offers nothing that needs the server, and says which commands do it.
+  assert.ok(await page.locator("#native-panel").isHidden());
+  assert.ok(await page.getByRole("button", { name: "Global search" }).isHidden());
+  await page.getByText("File", { exact: true }).click();
+  assert.equal(await page.getByRole("button", { name: /learned table|DNG|report/ }).count(), 0);
+  await page.getByText("smalti train", { exact: true }).waitFor();
+  await page.getByText("one noise realisation (seed 1), no interval. smalti compare states intervals.").waitFor();
+  await page.getByText("File", { exact: true }).click();
+  const shift = await page.evaluate(() => new Promise((resolve) => {
+    let sum = 0;
+    new PerformanceObserver((list) => { for (const entry of list.getEntries()) sum += entry.value; }).observe({ type: "layout-shift", buffered: true });
+    setTimeout(() => resolve(sum), 300);
+  }));
+  assert.ok(shift < 0.1, `layout shift ${shift}`);
+  assert.deepEqual(faults, []);
+  await close();
+  other.close();
+  // A browser runs no module from a file; the page then says what it needs.
+  const file = await (await own.browser.newContext()).newPage();
+  await file.goto(pathToFileURL(join(own.dir, "site", "index.html")).href);
+  await file.waitForFunction(() => getComputedStyle(document.querySelector("#wait .needs-server")).opacity === "1");
+  assert.match(await file.locator("#wait").innerText(), /web server: run python3 -m http\.server/);
+  await file.context().close();
+});
