@@ -20,35 +20,50 @@ thread_local! {
 
 const FAILED: i32 = -1;
 
-/// Runs a function on what is kept; of an error the output is its message.
+/// What every call says after one that trapped: what is kept may be half changed, and stays borrowed.
+const TRAPPED: &str = "an earlier call to this module ended abnormally, as for want of memory; expected a new instance of the module";
+
+/// Runs a function on what is kept; of an error the output is its message. After a call that trapped it refuses.
 fn run<E: Display>(work: impl FnOnce(&mut Module) -> Result<i32, E>) -> i32 {
-    MODULE.with_borrow_mut(|module| {
-        work(module).unwrap_or_else(|error| {
+    MODULE.with(|module| match module.try_borrow_mut() {
+        Ok(mut module) => work(&mut module).unwrap_or_else(|error| {
             module.output = error.to_string().into_bytes();
             FAILED
-        })
+        }),
+        Err(_) => FAILED,
     })
 }
 
-/// Makes room for an input; returns the address for it.
+/// The output, that of a module that trapped being [`TRAPPED`].
+fn with_output<T>(read: impl FnOnce(&[u8]) -> T) -> T {
+    MODULE.with(|module| match module.try_borrow() {
+        Ok(module) => read(&module.output),
+        Err(_) => read(TRAPPED.as_bytes()),
+    })
+}
+
+/// Makes room for an input; returns the address for it. After a call that trapped, the room is not read and not returned to the memory.
 #[unsafe(no_mangle)]
 extern "C" fn reserve(bytes: usize) -> *mut u8 {
-    MODULE.with_borrow_mut(|module| {
-        module.input = vec![0; bytes];
-        module.input.as_mut_ptr()
+    MODULE.with(|module| match module.try_borrow_mut() {
+        Ok(mut module) => {
+            module.input = vec![0; bytes];
+            module.input.as_mut_ptr()
+        }
+        Err(_) => vec![0; bytes].leak().as_mut_ptr(),
     })
 }
 
 /// Where the output lies.
 #[unsafe(no_mangle)]
 extern "C" fn output() -> *const u8 {
-    MODULE.with_borrow(|module| module.output.as_ptr())
+    with_output(<[u8]>::as_ptr)
 }
 
 /// Bytes of the output.
 #[unsafe(no_mangle)]
 extern "C" fn output_bytes() -> usize {
-    MODULE.with_borrow(|module| module.output.len())
+    with_output(<[u8]>::len)
 }
 
 #[cfg(not(feature = "engine"))]
@@ -108,7 +123,8 @@ mod of_engine {
             let kind = match kind {
                 0 => StudioFile::Training,
                 1 => StudioFile::Scene,
-                _ => StudioFile::Statistics,
+                2 => StudioFile::Statistics,
+                other => return Err(EngineError::NoKind(other)),
             };
             let input = std::mem::take(&mut module.input);
             let (lens, file) = named(&input, name_bytes)?;

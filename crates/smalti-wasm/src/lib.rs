@@ -19,7 +19,8 @@
 //! | `ask()` | a request as JSON | 0; the output is an [`Answer`](Engine) as bytes |
 //! | `output()`, `output_bytes()` | | where the output lies |
 //!
-//! Below 0 an error happened, and the output is its message in UTF-8. Of studies, one setup is kept at a time, and the processing of the last
+//! Below 0 an error happened, and the output is its message in UTF-8. After a call that trapped, all others fail with a message that says so, and the host
+//! makes a new instance. Of studies, one setup is kept at a time, and the processing of the last
 //! design.
 
 #[cfg(feature = "engine")]

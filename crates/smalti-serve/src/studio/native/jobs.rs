@@ -53,7 +53,7 @@ impl Job {
             }
             Self::Search(search) => {
                 ensure_luminances(&search.luminances_cd_m2)?;
-                search::ensure_locks(&design::camera(&search.design)?, search)
+                search::ensure_searchable(&design::camera(&search.design)?, search)
             }
             Self::Report(report) => {
                 report.scene.as_deref().map_or(Ok(()), scene)?;
