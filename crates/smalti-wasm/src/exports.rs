@@ -7,7 +7,7 @@ use std::fmt::Display;
 #[derive(Default)]
 struct Module {
     #[cfg(not(feature = "engine"))]
-    studio: crate::Studio,
+    pictures: crate::StudyPictures,
     #[cfg(feature = "engine")]
     engine: crate::Engine,
     input: Vec<u8>,
@@ -72,12 +72,14 @@ mod of_studies {
     use smalti::sensor::NoiseMode;
 
     use super::run;
-    use crate::StudioError;
+    use crate::StudyPictureError;
 
     /// Adds the study of the input.
     #[unsafe(no_mangle)]
     extern "C" fn study() -> i32 {
-        run(|module| Ok::<_, StudioError>(module.studio.study(&std::mem::take(&mut module.input))? as i32))
+        run(|module| {
+            Ok::<_, StudyPictureError>(module.pictures.study(&std::mem::take(&mut module.input))? as i32)
+        })
     }
 
     /// Makes a condition of a study ready.
@@ -85,10 +87,10 @@ mod of_studies {
     extern "C" fn setup(study: usize, condition: usize, is_learned: u32, text_bytes: usize) -> i32 {
         run(|module| {
             let input = std::mem::take(&mut module.input);
-            let (light, codes) = input.split_at_checked(text_bytes).ok_or(StudioError::Planes)?;
+            let (light, codes) = input.split_at_checked(text_bytes).ok_or(StudyPictureError::Planes)?;
             let processing = if is_learned == 0 { TrialProcessing::Classic } else { TrialProcessing::L3 };
-            module.studio.setup(study, condition, processing, light, codes)?;
-            Ok::<_, StudioError>(0)
+            module.pictures.setup(study, condition, processing, light, codes)?;
+            Ok::<_, StudyPictureError>(0)
         })
     }
 
@@ -97,8 +99,8 @@ mod of_studies {
     extern "C" fn draw(number: f64, scene: usize, is_noisy: u32) -> i32 {
         run(|module| {
             let noise = if is_noisy == 0 { NoiseMode::None } else { NoiseMode::All };
-            module.output = module.studio.draw(number as u64, scene, noise)?;
-            Ok::<_, StudioError>(0)
+            module.output = module.pictures.draw(number as u64, scene, noise)?;
+            Ok::<_, StudyPictureError>(0)
         })
     }
 }

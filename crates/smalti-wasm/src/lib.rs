@@ -1,6 +1,6 @@
 //! The simulator in a page, as WebAssembly.
 //!
-//! Two modules are made of this crate. That of studies ([`Studio`]) draws what any design of a study makes of a scene: a page embeds the study and the
+//! Two modules are made of this crate. That of studies ([`StudyPictures`]) draws what any design of a study makes of a scene: a page embeds the study and the
 //! light of its scenes on the pixels ([`PreviewLight`](smalti::design::PreviewLight)); the module
 //! captures and processes it with the code of `smalti sweep`, and learns the pipelines of designs that have their own. That of the studio (the feature
 //! `engine`) draws, scores and improves designs that a page invents. The native library gives the same bytes for the same input.
@@ -26,8 +26,8 @@
 #[cfg(feature = "engine")]
 mod engine;
 mod exports;
-mod studio;
+mod study_pictures;
 
 #[cfg(feature = "engine")]
 pub use engine::{Answer, Engine, EngineError, StudioFile};
-pub use studio::{Studio, StudioError};
+pub use study_pictures::{StudyPictureError, StudyPictures};

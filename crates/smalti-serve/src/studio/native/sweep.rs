@@ -1,0 +1,71 @@
+//! The scores of a design over light, with filters as designed and with filters that deviate.
+
+use serde_json::json;
+use smalti::camera::{PICTURE_METRICS, ScoreSettings, TrainingSettings};
+use smalti::design::search::FreeCurves;
+use smalti::experiment::{ComparisonSettings, ExposurePolicy, Progress as _, ToleranceRow, tolerances};
+use smalti::l3::Training;
+use smalti_io::test_scenes::TestSet;
+
+use super::capture::{LIGHT, SEED};
+use super::design::camera;
+use super::error::JobError;
+use super::material::{Found, Native};
+use super::message::Sweep;
+use super::watch::Watch;
+
+/// The set of scenes of a name.
+pub(super) fn set(name: &str) -> Result<TestSet, JobError> {
+    let known = TestSet::NAMED.iter().find(|(known, ..)| *known == name);
+    known.map(|(.., set)| *set).ok_or_else(|| {
+        let names: Vec<&str> = TestSet::NAMED.iter().map(|(name, ..)| *name).collect();
+        JobError::Wrong(format!("there is no set of scenes {name:?}; expected {}", names.join(", ")))
+    })
+}
+
+/// Scores the design and its deviations on all scenes of a set, with one noise realisation each.
+pub(super) fn sweep(native: &Native, wanted: &Sweep, watch: &Watch) -> Result<Found, JobError> {
+    let camera = camera(&wanted.design)?;
+    watch.begin("scenes");
+    let settings = ComparisonSettings {
+        luminances_cd_m2: wanted.luminances_cd_m2.clone(),
+        illuminant: LIGHT,
+        scenes: set(&wanted.set)?.scenes(&LIGHT)?,
+        seed: SEED,
+        seed_count: 1,
+        score: ScoreSettings::default(),
+        exposure: ExposurePolicy::Own,
+    };
+    let clear = wanted.family.space(FreeCurves::default()).clear();
+    let training = Training { quality: wanted.quality, ..Training::default() };
+    let learning = (&TrainingSettings::default(), &training);
+    let label = camera.description().name.as_str();
+    let rows = tolerances((&camera, label), clear, &settings, learning, native.resources(watch))?;
+    let said = json!({"metrics": PICTURE_METRICS, "scenes": settings.scenes.len(), "rows": rows});
+    Ok(Found { said, files: vec![("csv", csv(&rows).into_bytes())] })
+}
+
+/// The rows as a table: means, and changes from the filters as designed with their intervals.
+fn csv(rows: &[ToleranceRow]) -> String {
+    let head = PICTURE_METRICS.iter().flat_map(|m| {
+        [m.to_string(), format!("{m}_change"), format!("{m}_change_low"), format!("{m}_change_high")]
+    });
+    let head = ["shift_nm", "thickness", "luminance_cd_m2"].into_iter().map(String::from).chain(head);
+    let line = |cells: Vec<String>| cells.join(",") + "\n";
+    let row = |row: &ToleranceRow| {
+        let figures = (0..PICTURE_METRICS.len()).flat_map(|metric| {
+            let change = row.changes.as_ref().map(|changes| &changes[metric]);
+            let interval = change.and_then(|change| change.interval);
+            [
+                Some(row.means[metric]),
+                change.map(|c| c.value),
+                interval.map(|i| i.low),
+                interval.map(|i| i.high),
+            ]
+        });
+        let of = [row.deviation.shift_nm, row.deviation.thickness, row.luminance_cd_m2].map(Some);
+        let cells = of.into_iter().chain(figures);
+        line(cells.map(|v| v.map_or_else(String::new, |v| v.to_string())).collect())
+    };
+    line(head.collect()) + &rows.iter().map(row).collect::<String>()
+}
