@@ -48,7 +48,7 @@ const COMPARED: &str = "results.json";
     smalti studio out                        start with the cameras of `smalti compare -o out`, the second one pinned\n  \
     smalti studio rgbw --export site         write the page as a folder for a web server\n\n\
     The page simulates the camera in the browser and learns a pipeline for every design. The address has a token and answers to browsers of \
-    this machine alone; Ctrl-C ends the server. The folder of --export needs neither this server nor the command: any web server can serve it.")]
+    this machine alone; Ctrl-C ends the server. The folder of --export needs neither this server nor the command, but a web server: any can serve it.")]
 pub(crate) struct Studio {
     /// Camera, study or folder of `smalti design`, `sweep` or `compare` with whose design the page opens
     #[arg(default_value = "bayer", value_name = "CAMERA|STUDY|DIR")]
@@ -82,6 +82,11 @@ pub(crate) fn run(args: &Studio, common: &Common) -> anyhow::Result<()> {
         let light = with_sources(all_light(&bare(&camera)?, &cache, common)?);
         let files = studio::files(&toml, pinned, light, false);
         write::folder(dir, files.iter().map(|file| (file.path.as_str(), file.content.as_ref())))?;
+        let serve = format!(
+            "the page needs a web server, for example `python3 -m http.server --directory {}`; a browser does not run it from a file",
+            dir.display()
+        );
+        note(&serve, common);
         return crate::print(&format!("{}\n", dir.join("index.html").display()));
     }
     let server = LocalServer::bind(args.port, None)?;
@@ -129,12 +134,18 @@ fn with_sources(light: Vec<StudioAsset>) -> Vec<StudioAsset> {
     light.into_iter().chain(smalti_io::studio::sources()).collect()
 }
 
-/// The camera without what the light of the scenes does not depend on, so that cameras share it.
+/// The camera without what the light of the scenes does not depend on, so that cameras share it, and without crosstalk, which the page does not
+/// simulate and for which statistics need a larger patch.
 fn bare(camera: &Camera) -> anyhow::Result<Camera> {
     let own = camera.description();
     let bare = CameraDescription {
         name: format!("f/{}, {} µm", own.optics.f_number, own.sensor.pixel.pitch_um),
-        sensor: SensorDescription { cfa: CfaDescription::default(), binning: None, ..own.sensor.clone() },
+        sensor: SensorDescription {
+            cfa: CfaDescription::default(),
+            binning: None,
+            crosstalk_percent: 0.0,
+            ..own.sensor.clone()
+        },
         exposure: ExposureDescription::default(),
         isp: IspDescription::default(),
         ..own.clone()

@@ -53,15 +53,17 @@ export function announce(text) {
   timer = window.setTimeout(() => { byId("told", HTMLElement).textContent = text; }, 250);
 }
 
-/** @type {number | undefined} */
-let gone;
-/** Shows a message, as one that needs attention or as one that passes. @param {string} text @param {"trouble" | "note"} [kind] */
+/** Shows a message until it is dismissed or another one takes its place. Trouble interrupts a screen reader, a note does not. @param {string} text @param {"trouble" | "note"} [kind] */
 export function tell(text, kind = "note") {
-  clearTimeout(gone);
   const place = byId("message", HTMLElement);
-  place.textContent = text;
-  place.dataset.kind = kind;
-  if (text && kind === "note") gone = window.setTimeout(() => { place.textContent = ""; }, 6000);
+  for (const of of ["note", "trouble"]) byId(of, HTMLElement).textContent = of === kind ? text : "";
+  if (text) place.dataset.kind = kind;
+  else delete place.dataset.kind;
+}
+
+/** Removes a message, if it is still shown. @param {string} text */
+export function untell(text) {
+  if (["note", "trouble"].some((kind) => byId(kind, HTMLElement).textContent === text)) tell("");
 }
 
 /** Runs at the next frame of the page, once for several calls. @param {() => void} work @returns {() => void} */

@@ -81,10 +81,10 @@ function joined(a, b) {
 }
 
 /** A scene of the page; `undefined` for a photograph of the visitor. @param {string} id */
-const scene_of = (id) => manifest.scenes.find((s) => s.id === id);
+const sceneOf = (id) => manifest.scenes.find((s) => s.id === id);
 
 /** Hands the statistics to the module that came with the page; others were put here before. @param {string} lens */
-async function load_statistics(lens) {
+async function loadStatistics(lens) {
   if (lens === "" && manifest.statistics) await load(manifest.statistics, "statistics");
 }
 
@@ -99,14 +99,14 @@ const tasks = {
   forget: async (content) => ask("forget", content),
   light: async ({ of, design }) => {
     if (of === "statistics") await Promise.all(Object.entries(manifest.training_sources).map(([name, file]) => source(name, file)));
-    const file = of.scene && scene_of(of.scene)?.source;
+    const file = of.scene && sceneOf(of.scene)?.source;
     if (file) await source(of.scene, file);
     return ask("light", { of, design });
   },
   draw: async ({ measure, ...content }) => {
     // Light that did not come with the page was put here before.
     if (content.lens === "") {
-      const file = scene_of(content.scene)?.file;
+      const file = sceneOf(content.scene)?.file;
       await Promise.all([load(manifest.training, "training"), file && load(file, "scene")]);
     }
     const times = [performance.now()];
@@ -128,12 +128,12 @@ const tasks = {
     checked(wasm.photograph(name.byteLength, height, width));
   },
   scores: async (content) => {
-    if (content.luminances_cd_m2.length > 0) await load_statistics(content.lens);
+    if (content.luminances_cd_m2.length > 0) await loadStatistics(content.lens);
     return ask("scores", content);
   },
   curves: async (content) => ask("curves", content),
   improve: async (content) => {
-    await load_statistics(content.lens);
+    await loadStatistics(content.lens);
     return ask("improve", content);
   },
   step: async (content) => ask("step", content),
@@ -146,6 +146,7 @@ self.onmessage = async ({ data }) => {
     const result = await tasks[data.task](data.content);
     self.postMessage({ id: data.id, result: result ?? {} }, { transfer: result?.bytes ? [result.bytes] : [] });
   } catch (error) {
-    self.postMessage({ id: data.id, error: error instanceof Error ? error.message : String(error) });
+    // After a trap, such as that of an allocation without memory, the module is in no known state.
+    self.postMessage({ id: data.id, error: error instanceof Error ? error.message : String(error), isTrap: error instanceof WebAssembly.RuntimeError });
   }
 };

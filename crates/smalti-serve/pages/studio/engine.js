@@ -10,6 +10,7 @@
 // lens takes seconds (`light`). `wavelengths_nm` of a design are those of this camera; a design with others is refused with a message that
 // names the key. Pictures have the size of the scene, whatever
 // `sensor.rows` and `sensor.cols` say. Pipelines are learned from statistics of light, which hold for a mosaic without crosstalk and binning.
+import { Bench, Latest, again } from "./bench.js";
 import { fetched, inflated } from "./fetched.js";
 import { Lights, START } from "./lights.js";
 
@@ -78,18 +79,11 @@ import { Lights, START } from "./lights.js";
  */
 
 /**
- * The derivatives of an expected figure with respect to the transmittance of each filter at each wavelength of `wavelengths_nm`, by letter.
- * @typedef {Record<string, number[]>} Derivative
- */
-
-/**
  * Scores of a design without a picture. `array` has the figures of the array alone, as `smalti evaluate` prints them.
  * @typedef {object} Scores
  * @property {Expected[]} expected One for each luminance.
  * @property {{ vora_value: number, sensitivity_metamerism_index: number, metamer_mismatch_percent: number, photon_efficiency: number,
  *   condition_number: number | null, luminance_noise_gain: number }} array
- * @property {number[]} wavelengths_nm
- * @property {{ cpsnr_db: Derivative, delta_e_2000: Derivative } | null} derivatives At the first luminance.
  * @property {Warning[]} warnings
  */
 
@@ -119,128 +113,34 @@ import { Lights, START } from "./lights.js";
  * @typedef {{ design: Design, step: number, cost: number, own_cost: number, expected: Expected[], is_done: boolean }} Step
  */
 
-const NOTHING_NEWER = null;
-/** Lenses whose light a worker holds beside that of the start: those of the design and of the pinned one, and one more. */
-const HELD_LENSES = 3;
 /** References that are kept, about 0.5 MB each. */
 const KEPT_REFERENCES = 24;
 
-
-/** A worker with the module. Requests are answered in turn. */
-class Bench {
-  /** @type {Worker} */ #worker;
-  /** @type {Map<number, { resolve: (value: any) => void, reject: (reason: Error) => void }>} */ #open = new Map();
-  #next = 0;
-  /** The light that was handed to the worker, by the name of its lens, the lens used last at the end. @type {Map<string, Set<string>>} */
-  #lenses = new Map();
-
-  constructor() {
-    this.#worker = new Worker(new URL("engine-worker.js", import.meta.url), { type: "module" });
-    this.#worker.onmessage = ({ data }) => {
-      const waiting = this.#open.get(data.id);
-      this.#open.delete(data.id);
-      if (data.error === undefined) waiting?.resolve(data.result);
-      else waiting?.reject(new Error(data.error));
-    };
-    this.#worker.onerror = (event) => this.#fail(event.message || "this browser does not allow Web Workers");
-  }
-
-  /** @param {string} message */
-  #fail(message) {
-    for (const { reject } of this.#open.values()) reject(new Error(message));
-    this.#open.clear();
-  }
-
-  /**
-   * @param {string} task @param {any} content @param {Transferable[]} [transfer]
-   * @returns {Promise<any>}
-   */
-  ask(task, content, transfer = []) {
-    return new Promise((resolve, reject) => {
-      const id = this.#next++;
-      this.#open.set(id, { resolve, reject });
-      this.#worker.postMessage({ id, task, content }, transfer);
-    });
-  }
-
-  /**
-   * Hands light to the worker, unless it has it. Light behind lenses that were not used for long is forgotten.
-   * @param {string} lens @param {LightOf} of @param {() => Promise<ArrayBuffer>} light
-   */
-  async supply(lens, of, light) {
-    const held = this.#lenses.get(lens) ?? new Set();
-    this.#lenses.delete(lens);
-    this.#lenses.set(lens, held);
-    for (const oldest of [...this.#lenses.keys()].filter((name) => name !== START).slice(0, -HELD_LENSES)) {
-      this.#lenses.delete(oldest);
-      await this.ask("forget", { lens: oldest });
-    }
-    const key = JSON.stringify(of);
-    if (held.has(key)) return;
-    await this.ask("put", { lens, kind: typeof of === "string" ? of : "scene", bytes: await light() });
-    held.add(key);
-  }
-
-  stop() {
-    this.#worker.terminate();
-    this.#fail("stopped");
-  }
-}
-
-/** One request at work and at most one that waits: a newer one takes its place. */
-class Latest {
-  /** @type {{ work: () => Promise<any>, resolve: (value: any) => void, reject: (reason: unknown) => void } | null} */ #waiting = null;
-  #is_busy = false;
-
-  /**
-   * The result of `work`, or null when a newer request came before its turn.
-   * @template T @param {() => Promise<T>} work @returns {Promise<T | null>}
-   */
-  run(work) {
-    return new Promise((resolve, reject) => {
-      this.#waiting?.resolve(NOTHING_NEWER);
-      this.#waiting = { work, resolve, reject };
-      if (!this.#is_busy) this.#go();
-    });
-  }
-
-  async #go() {
-    this.#is_busy = true;
-    while (this.#waiting) {
-      const { work, resolve, reject } = this.#waiting;
-      this.#waiting = null;
-      try {
-        resolve(await work());
-      } catch (error) {
-        reject(error);
-      }
-    }
-    this.#is_busy = false;
-  }
-}
+/** The seed of the noise of pictures, that of the command. */
+export const SEED = 1;
 
 /** Draws, scores and improves designs. */
 export class Engine {
   /** @type {Bench} */ #pictures;
   /** @type {Bench} */ #figures;
-  #latest_picture = new Latest();
-  #latest_scores = new Latest();
+  #latestPicture = new Latest();
+  #latestScores = new Latest();
   /** @type {Map<string, Uint8ClampedArray>} */ #references = new Map();
-  /** Workers that gather light: for pictures, and statistics, which take longer. @type {Map<string, Promise<Bench>>} */
+  /** Workers that gather light: for pictures, and statistics, which take longer. @type {Map<string, Bench>} */
   #gatherers = new Map();
-  /** @type {() => Promise<Bench>} */ #start_worker;
+  /** @type {() => Bench} */ #newBench;
   /** @type {Lights} */ #lights;
   /** The file of the statistics, if it came with the page. @type {string | null} */ #statistics;
 
   /**
-   * @param {Bench} pictures @param {Bench} figures @param {() => Promise<Bench>} start_worker
+   * @param {Bench} pictures @param {Bench} figures @param {() => Bench} newBench
    * @param {{ scenes: Scene[], setups: Setup[], statistics: string | null, catalogue: any }} about
    */
-  constructor(pictures, figures, start_worker, about) {
+  constructor(pictures, figures, newBench, about) {
     this.#pictures = pictures;
     this.#figures = figures;
-    this.#start_worker = start_worker;
-    this.#lights = new Lights(about.setups[0].camera, async (of, design) => (await (await this.#gatherer(of)).ask("light", { of, design })).bytes);
+    this.#newBench = newBench;
+    this.#lights = new Lights(about.setups[0].camera, (of, design) => again(async () => (await this.#gatherer(of).ask("light", { of, design })).bytes));
     this.#statistics = about.statistics;
     /** The scenes, first the one that is ready first. @type {Scene[]} */
     this.scenes = about.scenes;
@@ -256,32 +156,28 @@ export class Engine {
   }
 
   /**
-   * Loads the module and what the first picture needs; the other scenes follow in the background. `assets_url` ends with "/" and has
-   * `manifest.json`, the files that it names, and `studio.wasm.deflate`.
-   * @param {string | URL} assets_url @returns {Promise<Engine>}
+   * Loads the module and what the first picture needs; the other scenes follow in the background. `assetsUrl` ends with "/" and has
+   * `manifest.json`, the files that it names, and `studio.wasm.deflate`. `told` hears of a worker that failed, in place of which another is started.
+   * @param {string | URL} assetsUrl @param {(message: string) => void} [told] @returns {Promise<Engine>}
    */
-  static async start(assets_url) {
+  static async start(assetsUrl, told = () => {}) {
     if (typeof WebAssembly !== "object") throw new Error("this browser does not allow WebAssembly");
-    const base = String(new URL(assets_url, document.baseURI));
+    const base = String(new URL(assetsUrl, document.baseURI));
     // The module is compiled once, for all workers.
     const compiled = inflated(new URL("studio.wasm.deflate", base)).then((bytes) => WebAssembly.compile(bytes));
     const manifest = await (await fetched(new URL("manifest.json", base))).json();
-    const start_worker = async () => {
-      const bench = new Bench();
-      await bench.ask("start", { base, manifest, module: await compiled });
-      return bench;
-    };
-    const [pictures, figures] = await Promise.all([start_worker(), start_worker()]);
-    const catalogue = (await figures.ask("catalogue", {})).said;
-    return new Engine(pictures, figures, start_worker, { ...manifest, catalogue });
+    const newBench = () => new Bench(async () => ({ base, manifest, module: await compiled }), told);
+    const [pictures, figures] = [newBench(), newBench()];
+    const [{ said: catalogue }] = await Promise.all([figures.ask("catalogue", {}), pictures.start()]);
+    return new Engine(pictures, figures, newBench, { ...manifest, catalogue });
   }
 
-  /** The worker that gathers some light, started when it is first needed. @param {LightOf} of @returns {Promise<Bench>} */
+  /** The worker that gathers some light, made when it is first needed. @param {LightOf} of @returns {Bench} */
   #gatherer(of) {
     const kind = of === "statistics" ? "statistics" : "pictures";
-    const started = this.#gatherers.get(kind) ?? this.#start_worker();
-    this.#gatherers.set(kind, started);
-    return started;
+    const bench = this.#gatherers.get(kind) ?? this.#newBench();
+    this.#gatherers.set(kind, bench);
+    return bench;
   }
 
   /** Whether some light came with the page. @param {Design} design @param {LightOf} of */
@@ -290,14 +186,19 @@ export class Engine {
     return this.#lights.lens(design) === START && Boolean(file);
   }
 
-  /**
-   * Gathers the light behind the lens of a design, which takes seconds once for each lens; `undefined` when it need not be waited for.
-   * @param {Design} design @param {LightOf[]} all @returns {Promise<void> | undefined}
-   */
-  light(design, all) {
-    const missing = all.filter((of) => !this.#came(design, of) && !this.#lights.has(design, of));
-    if (missing.length === 0) return undefined;
-    return Promise.all(missing.map((of) => this.#lights.get(design, of))).then(() => {});
+  /** The light that must be gathered for a design. @param {Design} design @param {LightOf[]} all */
+  #missing(design, all) {
+    return all.filter((of) => !this.#came(design, of) && !this.#lights.has(design, of));
+  }
+
+  /** Whether the light of a design need not be waited for. @param {Design} design @param {LightOf[]} all */
+  hasLight(design, all) {
+    return this.#missing(design, all).length === 0;
+  }
+
+  /** Gathers the light behind the lens of a design, which takes seconds once for each lens. @param {Design} design @param {LightOf[]} all */
+  async light(design, all) {
+    await Promise.all(this.#missing(design, all).map((of) => this.#lights.get(design, of)));
   }
 
   /** Hands light to a worker, and returns the name of its lens. @param {Bench} bench @param {Design} design @param {LightOf[]} all */
@@ -314,20 +215,20 @@ export class Engine {
    * @param {{ design: Design, scene: string, luminance: number, crop?: Crop, measure?: boolean, noise?: boolean, seed?: number }} wanted
    * @returns {Promise<Picture | null>}
    */
-  draw({ design, scene, luminance, crop, measure = false, noise = true, seed = 0 }) {
-    return this.#latest_picture.run(async () => {
+  draw({ design, scene, luminance, crop, measure = false, noise = true, seed = SEED }) {
+    return this.#latestPicture.run(async () => {
       const begun = performance.now();
       const lens = await this.#supply(this.#pictures, design, ["training", { scene }]);
       const key = JSON.stringify([scene, crop ?? null, lens]);
-      const has_reference = this.#references.has(key);
-      const request = { design, lens, scene, luminance_cd_m2: luminance, crop, measure, noise, seed, reference: !has_reference };
+      const hasReference = this.#references.has(key);
+      const request = { design, lens, scene, luminance_cd_m2: luminance, crop, measure, noise, seed, reference: !hasReference };
       const { said, bytes } = await this.#pictures.ask("draw", request);
       const pixels = 4 * said.width * said.height;
       const rgba = new Uint8ClampedArray(bytes, 0, pixels);
-      if (!has_reference) this.#references.set(key, new Uint8ClampedArray(bytes.slice(pixels, 2 * pixels)));
+      if (!hasReference) this.#references.set(key, new Uint8ClampedArray(bytes.slice(pixels, 2 * pixels)));
       for (const oldest of [...this.#references.keys()].slice(0, -KEPT_REFERENCES)) this.#references.delete(oldest);
-      const map_at = has_reference ? pixels : 2 * pixels;
-      const difference = measure ? new Float32Array(bytes.slice(map_at, map_at + pixels)) : null;
+      const mapAt = hasReference ? pixels : 2 * pixels;
+      const difference = measure ? new Float32Array(bytes.slice(mapAt, mapAt + pixels)) : null;
       const reference = /** @type {Uint8ClampedArray} */ (this.#references.get(key));
       said.timings_ms.total = performance.now() - begun;
       return /** @type {Picture} */ ({ ...said, rgba, reference, difference });
@@ -339,9 +240,9 @@ export class Engine {
    * become smooth reflectances in daylight (Jakob and Hanika 2019). The scene is added to `scenes`.
    * @param {string} name @param {ImageData} photograph @returns {Promise<Scene>}
    */
-  async add_photograph(name, { width, height, data }) {
+  async addPhotograph(name, { width, height, data }) {
     const id = `photograph ${this.scenes.length + 1}`;
-    await (await this.#gatherer({ scene: id })).ask("photograph", { id, width, height, rgba: data });
+    await again(() => this.#gatherer({ scene: id }).keep("photograph", { id, width, height, rgba: data }));
     /** @type {Scene} */
     const scene = { id, name, set: "own" };
     this.scenes.push(scene);
@@ -349,59 +250,53 @@ export class Engine {
   }
 
   /**
-   * Figures of a design without a picture; without a luminance, those of the array alone. Resolves to null when a newer call has taken its place.
+   * Figures of a design without a picture; without a luminance, those of the array alone. Resolves to null when a newer call of the same asker has taken its
+   * place.
    * @param {Design} design @param {number | number[]} luminance cd/m²
-   * @param {{ derivatives?: boolean, family?: Family }} [wanted] Warnings name filters that are none of the `family`.
+   * @param {{ family?: Family, asker?: string }} [wanted] Warnings name filters that are none of the `family`.
    * @returns {Promise<Scores | null>}
    */
-  scores(design, luminance, { derivatives = false, family } = {}) {
+  scores(design, luminance, { family, asker } = {}) {
     const luminances_cd_m2 = [luminance].flat();
-    return this.#latest_scores.run(async () => {
+    return this.#latestScores.run(async () => {
       // The figures of the array alone need no statistics.
       const lens = await this.#supply(this.#figures, design, luminances_cd_m2.length > 0 ? ["statistics"] : []);
-      return (await this.#figures.ask("scores", { design, lens, luminances_cd_m2, derivatives, family })).said;
-    });
+      return (await this.#figures.ask("scores", { design, lens, luminances_cd_m2, family })).said;
+    }, asker);
   }
 
   /** @param {Design} design @returns {Promise<Curves>} */
   async curves(design) {
-    return (await this.#figures.ask("curves", { design })).said;
+    return (await again(() => this.#figures.ask("curves", { design }))).said;
   }
 
   /**
    * Changes the filters and the cells of a design that are not locked so that it becomes better, starting from it. The filters that are
-   * changed are any smooth curves (`free`), pigments, or dichroic bands. Calls `on_step` after each step; ends when no step makes it better, or with the best so
+   * changed are any smooth curves (`free`), pigments, or dichroic bands. Calls `onStep` after each step; ends when no step makes it better, or with the best so
    * far when `signal` is aborted.
    * @param {Design} design @param {Locks} locks @param {number[]} luminances cd/m²
-   * @param {(step: Step) => void} on_step @param {AbortSignal} [signal] @param {Family} [family]
+   * @param {(step: Step) => void} onStep @param {AbortSignal} [signal] @param {Family} [family]
    * @returns {Promise<Step>}
    */
-  async improve(design, locks, luminances, on_step, signal, family = "free") {
+  async improve(design, locks, luminances, onStep, signal, family = "free") {
     const lens = await this.#supply(this.#figures, design, ["statistics"]);
     const begin = { design, lens, locks, luminances_cd_m2: luminances, family };
     let { said: step } = await this.#figures.ask("improve", begin);
-    on_step(step);
+    onStep(step);
     while (!step.is_done && !signal?.aborted) {
       ({ said: step } = await this.#figures.ask("step", {}));
-      on_step(step);
+      onStep(step);
     }
     return step;
   }
 
   /** The camera file of a design, for all other commands. @param {Design} design @returns {Promise<string>} */
-  async camera_toml(design) {
-    return (await this.#figures.ask("camera_toml", { design })).said.toml;
+  async cameraToml(design) {
+    return (await again(() => this.#figures.ask("camera_toml", { design }))).said.toml;
   }
 
   /** The design of a camera file; rejects with a message that names line and key. @param {string} text @returns {Promise<Design>} */
   async parse(text) {
-    return (await this.#figures.ask("parse", { text })).said.design;
-  }
-
-  /** Ends the workers. */
-  stop() {
-    this.#pictures.stop();
-    this.#figures.stop();
-    for (const started of this.#gatherers.values()) started.then((bench) => bench.stop(), () => {});
+    return (await again(() => this.#figures.ask("parse", { text }))).said.design;
   }
 }

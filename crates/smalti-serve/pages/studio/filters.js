@@ -106,9 +106,11 @@ export function setUpFilters(store, catalogue, curves) {
       const nm = Math.min(Math.max(handle.nm, FIRST_NM), LAST_NM);
       mark.setAttribute("transform", `translate(${x(nm).toFixed(1)} ${y(handle.value).toFixed(1)})`);
       mark.setAttribute("aria-label", `${store.selected}: ${handle.label}`);
-      mark.setAttribute("aria-valuemin", "300");
-      mark.setAttribute("aria-valuemax", "1100");
-      mark.setAttribute("aria-valuenow", String(Math.round(handle.nm)));
+      const [least, most, now] = handle.isLevel ? [0, 100, handle.value * 100] : [300, 1100, handle.nm];
+      mark.setAttribute("aria-orientation", handle.isLevel ? "vertical" : "horizontal");
+      mark.setAttribute("aria-valuemin", String(least));
+      mark.setAttribute("aria-valuemax", String(most));
+      mark.setAttribute("aria-valuenow", String(Math.round(now)));
       mark.setAttribute("aria-valuetext", `${Number(handle.nm.toFixed(1))} nm, ${Math.round(handle.value * 100)} %`);
       mark.querySelector(".dot")?.setAttribute("fill", channel()?.color ?? "#888888");
     });
@@ -231,7 +233,7 @@ export function setUpFilters(store, catalogue, curves) {
   let refreshers = [];
 
   /** @param {import("./shapes.js").Parameter} parameter @param {() => number} get @param {(value: number) => import("./design.js").Filter} set */
-  function number({ key, label, unit, min, max, step }, get, set) {
+  function number({ key, label, title, unit, min, max, step }, get, set) {
     const input = make("input", { type: "number", min, max, step: "any", "data-parameter": key, input: () => {
       const value = input.valueAsNumber;
       if (Number.isFinite(value) && value >= min && value <= max) change(set(value), label.toLowerCase(), `field ${store.selected} ${key}`);
@@ -243,7 +245,7 @@ export function setUpFilters(store, catalogue, curves) {
       input.value = String(get());
     } });
     refreshers.push(() => { if (store.jumps || document.activeElement !== input) input.value = String(Number(get().toFixed(4))); });
-    return make("label", { class: "field number" }, make("span", {}, label), make("span", { class: "unit" }, input, unit));
+    return make("label", { class: "field number", title }, make("span", {}, label), make("span", { class: "unit" }, input, unit));
   }
 
   function fields() {
@@ -254,10 +256,10 @@ export function setUpFilters(store, catalogue, curves) {
     if (shape === "flat") rows.push(number({ key: "flat", label: "Transmittance", unit: "", min: 0, max: 1, step: 0.01 }, own, (value) => ({ flat: value })));
     if (shape === "dye") {
       own().bands.forEach((/** @type {any} */ _, /** @type {number} */ i) => {
-        const of = (/** @type {string} */ key, /** @type {string} */ label, /** @type {string} */ unit, /** @type {number} */ min, /** @type {number} */ max, /** @type {number} */ step) =>
-          number({ key: `${key} ${i}`, label: `${label} ${i + 1}`, unit, min, max, step }, () => own().bands[i][key],
+        const of = (/** @type {string} */ key, /** @type {string} */ label, /** @type {string} */ unit, /** @type {number} */ min, /** @type {number} */ max, /** @type {number} */ step, title = "") =>
+          number({ key: `${key} ${i}`, label: `${label} ${i + 1}`, title: title || undefined, unit, min, max, step }, () => own().bands[i][key],
             (value) => ({ dye: { ...own(), bands: own().bands.map((/** @type {any} */ b, /** @type {number} */ j) => (j === i ? { ...b, [key]: value } : b)) } }));
-        rows.push(of("center_nm", "Band", "nm", 300, 1100, 0.5), of("fwhm_nm", "Width", "nm", 1, 400, 0.5), of("absorbance", "Thickness", "", 0, 20, 0.01));
+        rows.push(of("center_nm", "Band", "nm", 300, 1100, 0.5), of("fwhm_nm", "Width", "nm", 1, 400, 0.5), of("absorbance", "Peak absorbance", "", 0, 20, 0.01, "Proportional to the thickness of the layer"));
       });
     }
     if (shape === "builtin") {
@@ -286,7 +288,7 @@ export function setUpFilters(store, catalogue, curves) {
       const lock = make("input", { type: "checkbox", change: () => store.toggleLock(store.lockedFilters, store.selected) });
       refreshers.push(() => { lock.checked = store.lockedFilters.has(store.selected); });
       panel.replaceChildren(
-        make("div", { class: "filter-head" }, make("span", { class: "which" }, `Filter ${store.selected}`), select, pencil, make("label", { class: "check" }, lock, "Lock")),
+        make("div", { class: "filter-head" }, make("span", { class: "which" }, `Filter ${store.selected}`), select, pencil, make("label", { class: "check", title: "Improve and Global search keep the curve and the cells of this filter" }, lock, "Lock")),
         make("div", { class: "fields" }, ...fields()),
       );
     }

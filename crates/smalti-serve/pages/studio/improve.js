@@ -2,30 +2,36 @@
 // Improvement: the design becomes better step by step, under locks, until it is stopped or no step helps. With a server, the native library also searches
 // all mosaics of the tile from many starts.
 import { announce, byId, make } from "./dom.js";
+import { withValue } from "./design.js";
 
 /** @typedef {import("./store.js").Store} Store */
 /** @typedef {import("./engine.js").Engine} Engine */
 /** @typedef {import("./engine.js").Step} Step */
+/** @typedef {import("./design.js").Camera} Camera */
 
 /** The family of which filters should be. @returns {import("./engine.js").Family} */
 export const familyOf = () => /** @type {any} */ (byId("family", HTMLSelectElement).value);
 
 /**
- * Sets up the panel. `luminance` is the light shown, `own` makes the design of a step one of the page.
- * @param {Store} store @param {Engine} engine @param {() => number} luminance @param {(design: import("./engine.js").Design) => import("./design.js").Camera} own
- * @param {(error: unknown) => void} fail @param {ReturnType<typeof import("./native.js").setUpNative>} native
+ * Sets up the panel. `luminance` is that of the scene shown, `simulated` makes a camera one that the engine simulates, `own` makes the design of a step one of
+ * the page.
+ * @param {Store} store @param {Engine} engine
+ * @param {{
+ *   luminance: () => number, simulated: (camera: Camera) => Camera, own: (design: import("./engine.js").Design) => Camera, fail: (error: unknown) => void,
+ *   native: ReturnType<typeof import("./native.js").setUpNative>,
+ * }} page
  */
-export function setUpImprove(store, engine, luminance, own, fail, native) {
+export function setUpImprove(store, engine, { luminance, simulated, own, fail, native }) {
   const place = byId("improve", HTMLDivElement);
-  const light = make("select", {}, make("option", { value: "here" }, "at the light shown"), make("option", { value: "range" }, "from 1 to 100 cd/m²"));
+  const light = make("select", {}, make("option", { value: "here" }, "the luminance shown"), make("option", { value: "range" }, "1, 10 and 100 cd/m²"));
   const family = make("select", { id: "family" }, make("option", { value: "free" }, "any smooth curves"), make("option", { value: "pigments" }, "pigments"), make("option", { value: "dichroic" }, "dichroic bands"));
   const keepMosaic = make("input", { type: "checkbox" });
   const button = make("button", { type: "button", class: "primary", "data-improve": "" }, "Improve");
-  const wide = make("button", { type: "button", "data-job": "", hidden: true, title: "All mosaics of the tile, each from many starts, with all processors of this computer" }, "Search widely");
+  const wide = make("button", { type: "button", "data-job": "", hidden: true, title: "Searches all mosaics of the tile, each from many starts, with all processors of this computer" }, "Global search");
   const discard = make("button", { type: "button", hidden: true }, "Discard");
   const state = make("p", { class: "hint progress", role: "status" }, "Starts from this design. Locked filters and cells stay as they are.");
   place.append(
-    make("div", { class: "fields" }, make("label", { class: "field wide" }, make("span", {}, "Make it best"), light), make("label", { class: "field wide" }, make("span", {}, "Filters are"), family)),
+    make("div", { class: "fields" }, make("label", { class: "field wide" }, make("span", {}, "Optimise for"), light), make("label", { class: "field wide" }, make("span", {}, "Filters are"), family)),
     make("label", { class: "check" }, keepMosaic, "Keep the mosaic"),
     make("div", { class: "row" }, button, wide, discard), state,
   );
@@ -59,6 +65,9 @@ export function setUpImprove(store, engine, luminance, own, fail, native) {
   const luminances = () => light.value === "here" ? [luminance()] : [1, 10, 100];
   /** @returns {[number, number][]} */
   const lockedCells = () => [...store.lockedCells].map((cell) => /** @type {[number, number]} */ (cell.split(",").map(Number)));
+  /** The cells of the locked filters. @returns {[number, number][]} */
+  const cellsOfLocked = () => store.camera.sensor.cfa.pattern.flatMap((line, row) =>
+    [...line].flatMap((letter, col) => (store.lockedFilters.has(letter) ? [/** @type {[number, number]} */ ([row, col])] : [])));
 
   async function run() {
     stop = new AbortController();
@@ -66,21 +75,20 @@ export function setUpImprove(store, engine, luminance, own, fail, native) {
     result = undefined;
     const key = `improvement ${runs}`;
     const begun = store.camera;
-    const locks = { filters: [...store.lockedFilters], mosaic: keepMosaic.checked, cells: lockedCells() };
+    const start = simulated(begun);
+    const locks = { filters: [...store.lockedFilters], mosaic: keepMosaic.checked, cells: [...lockedCells(), ...cellsOfLocked()] };
     const lights = luminances();
     button.textContent = "Stop and keep";
     discard.hidden = true;
     state.textContent = "Gathering what is known of the light…";
     const { signal } = stop;
     try {
-      // A newer request of the page may come before this one.
-      let before = null;
-      while (before === null) before = await engine.scores(begun, lights);
-      const { expected } = before;
-      const last = await engine.improve(begun, locks, lights, (step) => {
+      // No newer improvement takes the place of this one, which ends first.
+      const { expected } = /** @type {import("./engine.js").Scores} */ (await engine.scores(start, lights, { asker: "improvement" }));
+      const last = await engine.improve(start, locks, lights, (step) => {
         if (signal.aborted) return;
         isOwn = true;
-        if (step.cost < step.own_cost) store.change(own(step.design), "the improvement", key);
+        if (step.cost < step.own_cost) store.change(withValue(begun, ["sensor", "cfa"], own(step.design).sensor.cfa), "the improvement", key);
         isOwn = false;
         state.textContent = `${words(step, expected)}.`;
       }, signal, familyOf());

@@ -27,7 +27,7 @@ function textOf(design) {
 export class Lights {
   /** @type {Design} */ #start;
   /** @type {(of: LightOf, design: Design) => Promise<ArrayBuffer>} */ #gather;
-  /** Light by the name of its lens and what it is of. @type {Map<string, Map<string, { bytes: Promise<ArrayBuffer>, is_there: boolean }>>} */
+  /** Light by the name of its lens and what it is of. @type {Map<string, Map<string, { bytes: Promise<ArrayBuffer>, isThere: boolean }>>} */
   #kept = new Map();
 
   /**
@@ -47,7 +47,7 @@ export class Lights {
 
   /** Whether some light need not be waited for. @param {Design} design @param {LightOf} of */
   has(design, of) {
-    return this.#kept.get(this.lens(design))?.get(JSON.stringify(of))?.is_there ?? false;
+    return this.#kept.get(this.lens(design))?.get(JSON.stringify(of))?.isThere ?? false;
   }
 
   /** The light of a lens as a file, gathered once. @param {Design} design @param {LightOf} of @returns {Promise<ArrayBuffer>} */
@@ -67,8 +67,8 @@ export class Lights {
     const start = this.#start;
     const pixel = { ...start.sensor?.pixel, ...(pitch_um === undefined ? {} : { pitch_um }), ...(fill_factor === undefined ? {} : { fill_factor }) };
     const camera = { ...start, optics: { ...design.optics, transmittance, ir_cut }, sensor: { ...start.sensor, pixel } };
-    const made = { bytes: this.#gather(of, camera), is_there: false };
-    made.bytes.then(() => { made.is_there = true; }, () => kept.delete(key));
+    const made = { bytes: this.#gather(of, camera), isThere: false };
+    made.bytes.then(() => { made.isThere = true; }, () => kept.delete(key));
     kept.set(key, made);
     return made.bytes;
   }

@@ -1,6 +1,6 @@
 // @ts-check
 // The studio: starts the engine, opens a design, and joins the parts of the page.
-import { announce, atFrame, byId, make, tell } from "./dom.js";
+import { announce, atFrame, byId, make, tell, untell } from "./dom.js";
 import { withValue } from "./design.js";
 import { Engine } from "./engine.js";
 import { camerasOfResults, curvesCsv, fileName, save } from "./files.js";
@@ -12,8 +12,8 @@ import { offered, setUpNative } from "./native.js";
 import { isPhotograph, readPhotograph } from "./photographs.js";
 import { setUpPicture } from "./picture.js";
 import { setUpScores } from "./scores.js";
-import { fitted, lensText, setUpSensor } from "./sensor.js";
-import { fragmentOf, sharedIn } from "./share.js";
+import { lensText, setUpSensor, simulated } from "./sensor.js";
+import { PHOTOGRAPH, fragmentOf, sharedIn } from "./share.js";
 import { Store } from "./store.js";
 import { setUpTheme } from "./theme.js";
 import { setUpWork } from "./work.js";
@@ -42,17 +42,24 @@ function inFull(engine, design) {
   return /** @type {any} */ (withValue(withValue(design, ["sensor", "cfa", "pattern"], pattern), ["sensor", "cfa", "filters"], filters));
 }
 
+/** The design in the address, if there is one; it is read as strictly as a file. @param {Engine} engine @returns {Promise<import("./share.js").Shared | undefined>} */
+async function inAddress(engine) {
+  const shared = await sharedIn(location.hash);
+  if (!shared) return undefined;
+  const checked = async (/** @type {Camera} */ camera) => inFull(engine, await engine.parse(await engine.cameraToml(camera)));
+  return { ...shared, camera: await checked(shared.camera), pinned: shared.pinned && await checked(shared.pinned) };
+}
+
+/** @param {unknown} error */
+const tellAddress = (error) => tell(`The design in the address cannot be opened: ${message(error)}.`, "trouble");
+
 /** The design with which the page opens: that of the address, else that of the server. @param {Engine} engine @returns {Promise<import("./share.js").Shared>} */
 async function opened(engine) {
   try {
-    const shared = await sharedIn(location.hash);
-    if (shared) {
-      // What comes from an address is read as strictly as a file.
-      const checked = async (/** @type {Camera} */ camera) => inFull(engine, await engine.parse(await engine.camera_toml(camera)));
-      return { ...shared, camera: await checked(shared.camera), pinned: shared.pinned && await checked(shared.pinned) };
-    }
+    const shared = await inAddress(engine);
+    if (shared) return shared;
   } catch (error) {
-    tell(`The design in the address cannot be opened: ${message(error)}.`, "trouble");
+    tellAddress(error);
   }
   const file = async (/** @type {string} */ name) => inFull(engine, await engine.parse(await (await fetched(name)).text()));
   const pinned = (await offered())?.pinned;
@@ -61,12 +68,12 @@ async function opened(engine) {
 
 async function start() {
   setUpTheme();
-  const engine = await Engine.start("engine/");
+  const wait = byId("wait", HTMLElement);
+  wait.textContent = "Starting the simulator…";
+  const engine = await Engine.start("engine/", () => tell("The simulator of this page failed, for example for lack of memory, and was started again.", "trouble"));
   const first = await opened(engine);
-  const start = fitted(engine, first.camera);
-  if (start.changed) tell(start.changed);
-  const store = new Store(start.camera);
-  store.pinned = first.pinned ? fitted(engine, first.pinned).camera : start.camera;
+  const store = new Store(first.camera);
+  store.pinned = first.pinned ?? first.camera;
 
   const scene = byId("scene", HTMLSelectElement);
   const light = byId("luminance", HTMLInputElement);
@@ -76,8 +83,22 @@ async function start() {
     const own = engine.scenes.filter((s) => s.set === set);
     if (own.length > 0) scene.append(make("optgroup", { label }, ...own.map((s) => make("option", { value: s.id }, s.name))));
   }
-  scene.value = engine.scenes.some((s) => s.id === first.scene) ? String(first.scene) : engine.scenes[0].id;
-  if (first.luminance) light.value = String(Math.log10(first.luminance));
+  /** Shows the scene and the luminance of an address, and says which scene is missing. @param {import("./share.js").Shared} shared @returns {string} */
+  function showConditions(shared) {
+    // A photograph has a number, which would be that of another one here.
+    const isKnown = engine.scenes.some((s) => s.id === shared.scene && s.set !== "own");
+    if (isKnown) scene.value = String(shared.scene);
+    else if (!scene.value || shared.scene) scene.value = engine.scenes[0].id;
+    if (shared.luminance) light.value = String(Math.log10(shared.luminance));
+    if (isKnown || !shared.scene) return "";
+    return shared.scene.startsWith(PHOTOGRAPH)
+      ? `The scene of this address is a photograph of the sender, which is not in the address. ${sceneName()} is shown.`
+      : `This page has no scene ${shared.scene}. ${sceneName()} is shown.`;
+  }
+  const sceneName = () => scene.selectedOptions[0]?.textContent ?? "";
+  const isOwnScene = () => engine.scenes.some((s) => s.id === scene.value && s.set === "own");
+  const missing = showConditions(first);
+  if (missing) tell(missing);
 
   /** @type {import("./engine.js").Curves | undefined} */
   let curves;
@@ -98,33 +119,32 @@ async function start() {
   const mosaic = setUpMosaic(store, engine.catalogue, () => colors);
   const filters = setUpFilters(store, engine.catalogue, () => curves);
   const sensor = setUpSensor(store, engine, adopt);
-  const wait = byId("wait", HTMLElement);
   const gathering = byId("gathering", HTMLElement);
   wait.textContent = "Learning the first picture…";
 
   const isPinned = () => store.pinned !== undefined && JSON.stringify(store.pinned) === JSON.stringify(store.camera);
   const showScores = () => scores.show(own, store.pinned && !isPinned() ? pin : undefined);
   let [drawnWhat, drawnMs] = ["", 0];
-  const caption = (/** @type {Picture} */ p) => `${store.camera.name} · exposed for ${Number(p.exposure_ms.toPrecision(3))} ms · drawn in ${Math.round(drawnMs)} ms`;
-  /** Whether the message shown is about a design that could not be drawn. */
-  let hasFailed = false;
-  const compute = setUpWork(engine, () => ({ camera: store.camera, pinned: store.pinned, scene: scene.value, luminance: luminance(), family: familyOf() }), picture.needsPin, {
-    picture(drawn, wanted) {
+  /** The messages about designs that could not be computed, by loop. @type {Map<string, string>} */
+  const failures = new Map();
+  const inEngine = (/** @type {Camera} */ camera) => simulated(engine, camera).camera;
+  const wanted = () => ({ camera: inEngine(store.camera), pinned: store.pinned && inEngine(store.pinned), scene: scene.value, luminance: luminance(), family: familyOf() });
+  const compute = setUpWork(engine, wanted, () => ({ pin: picture.needsPin(), map: picture.needsMap() }), {
+    picture(drawn, { camera, scene: drawnScene, luminance: drawnLuminance }) {
       wait.hidden = true;
-      if (hasFailed) tell("");
-      hasFailed = false;
       // Scores take longer than the picture, and a picture that is there is not drawn again.
-      const what = JSON.stringify([wanted.camera, wanted.scene, wanted.luminance]);
-      if (!drawn.scores && what !== drawnWhat) [drawnWhat, drawnMs] = [what, drawn.timings_ms.total];
-      picture.showOwn(drawn, caption(drawn));
+      const what = JSON.stringify([camera, drawnScene, drawnLuminance]);
+      const isSame = what === drawnWhat;
+      if (!isSame) [drawnWhat, drawnMs] = [what, drawn.timings_ms.total - drawn.timings_ms.score];
+      picture.showOwn(drawn, `${camera.name} · exposed for ${Number(drawn.exposure_ms.toPrecision(3))} ms · drawn in ${Math.round(drawnMs)} ms`, isSame);
       if (!drawn.scores) return;
       own.picture = drawn;
       scores.warn([...drawn.warnings, ...own.figures?.warnings ?? []]);
       showScores();
     },
-    pinned(drawn) {
+    pinned(drawn, { pinned }) {
       pin.picture = drawn;
-      picture.showPin(drawn, store.pinned?.name ?? "");
+      picture.showPin(drawn, pinned?.name ?? "");
       showScores();
     },
     curves(known) {
@@ -138,7 +158,7 @@ async function start() {
       scores.warn([...own.picture?.warnings ?? [], ...known.warnings]);
       showScores();
     },
-    overLight: (known, before) => scores.showOverLight(known, before, luminance()),
+    overLight: scores.showOverLight,
     waits(design, isForPicture) {
       const text = design && `Computing the light for ${lensText(design)}…`;
       if (!isForPicture) return scores.waits(text ? "Computing statistics of the light…" : "");
@@ -150,13 +170,23 @@ async function start() {
       if (isWaiting) return;
       const said = showScores();
       document.documentElement.dataset.settled = String(store.at);
-      if (isChanged) announce(said);
+      if (isChanged) announce(`${said}. ${scores.warned()}`);
       isChanged = false;
     },
-    failed(error) {
-      hasFailed = true;
-      gathering.hidden = true;
-      tell(`${message(error)}.`, "trouble");
+    worked(loop) {
+      const text = failures.get(loop);
+      failures.delete(loop);
+      const others = [...failures.values()];
+      if (text === undefined || others.includes(text)) return;
+      untell(text);
+      if (others.length > 0) tell(others[0], "trouble");
+    },
+    failed(loop, error) {
+      if (loop === "pictures") gathering.hidden = true;
+      else scores.waits("");
+      const text = `${message(error)}.`;
+      failures.set(loop, text);
+      tell(text, "trouble");
     },
   });
   const soon = atFrame(() => {
@@ -175,7 +205,7 @@ async function start() {
   name.addEventListener("change", () => store.change(withValue(store.camera, ["name"], name.value.trim() || "design"), "the name"));
   const [undo, redo] = [byId("undo", HTMLButtonElement), byId("redo", HTMLButtonElement)];
   const back = () => { const what = store.undo(); if (what !== undefined) announce(`Undone: ${what}`); };
-  const forth = () => { const what = store.redo(); if (what !== undefined) announce(`Done again: ${what}`); };
+  const forth = () => { const what = store.redo(); if (what !== undefined) announce(`Redone: ${what}`); };
   undo.addEventListener("click", back);
   redo.addEventListener("click", forth);
   document.addEventListener("keydown", (event) => {
@@ -201,20 +231,21 @@ async function start() {
 
   byId("share", HTMLButtonElement).addEventListener("click", async () => {
     const pinned = isPinned() ? undefined : store.pinned;
-    history.replaceState(null, "", await fragmentOf({ camera: store.camera, pinned, scene: scene.value, luminance: luminance() }));
+    const photograph = isOwnScene() ? " The photograph is not in it." : "";
+    history.replaceState(null, "", await fragmentOf({ camera: store.camera, pinned, scene: isOwnScene() ? PHOTOGRAPH : scene.value, luminance: luminance() }));
     try {
       await navigator.clipboard.writeText(location.href);
       tell(location.hostname === "127.0.0.1"
-        ? "Copied the address, which holds the whole design. Its part from # on opens the design in any studio."
-        : "Copied the address, which holds the whole design.");
+        ? `Copied the address, which holds the whole design.${photograph} Its part from # on opens the design in any studio.`
+        : `Copied the address, which holds the whole design.${photograph}`);
     } catch {
-      tell("The address of this page now holds the whole design; copy it from the browser.");
+      tell(`The address of this page now holds the whole design; copy it from the browser.${photograph}`);
     }
   });
 
   byId("save-toml", HTMLButtonElement).addEventListener("click", async () => {
     try {
-      save(fileName(store.camera.name, "toml"), new Blob([await engine.camera_toml(store.camera)], { type: "application/toml" }));
+      save(fileName(store.camera.name, "toml"), new Blob([await engine.cameraToml(store.camera)], { type: "application/toml" }));
     } catch (error) {
       tell(`${message(error)}.`, "trouble");
     }
@@ -232,10 +263,10 @@ async function start() {
   /** Opens a camera as a step that can be undone. @param {Design} design @param {string} what */
   function adopt(design, what) {
     try {
-      const { camera: fits, changed } = fitted(engine, inFull(engine, design));
-      store.change(fits, what);
-      store.pin(fits);
-      tell(changed || `${fits.name} is open, and later changes are compared with it.`);
+      const camera = inFull(engine, design);
+      store.change(camera, what);
+      store.pin(camera);
+      tell(`${camera.name} is open, and later changes are compared with it.`);
     } catch (error) {
       tell(`${message(error)}.`, "trouble");
     }
@@ -258,7 +289,7 @@ async function start() {
     try {
       const name = file.name.replace(/\.[^.]*$/, "") || "Photograph";
       const pixels = await readPhotograph(file);
-      const { id } = await engine.add_photograph(name, pixels);
+      const { id } = await engine.addPhotograph(name, pixels);
       const group = scene.querySelector('optgroup[label="Your photographs"]') ?? make("optgroup", { label: "Your photographs" });
       group.append(make("option", { value: id }, name));
       scene.append(group);
@@ -273,8 +304,8 @@ async function start() {
   async function openResults(file) {
     try {
       const [own, other] = await camerasOfResults(file);
-      adopt(await engine.parse(await engine.camera_toml(own)), `opening ${file.name}`);
-      if (other) store.pin(fitted(engine, inFull(engine, await engine.parse(await engine.camera_toml(other)))).camera);
+      adopt(await engine.parse(await engine.cameraToml(own)), `opening ${file.name}`);
+      if (other) store.pin(inFull(engine, await engine.parse(await engine.cameraToml(other))));
     } catch (error) {
       tell(`${file.name}: ${message(error)}.`, "trouble");
     }
@@ -304,13 +335,33 @@ async function start() {
 
   const native = setUpNative(() => ({
     camera: store.camera, pinned: isPinned() ? undefined : store.pinned, scene: scene.value, luminance: luminance(),
-    isOwn: engine.scenes.some((s) => s.id === scene.value && s.set === "own"),
+    isOwn: isOwnScene(),
   }));
-  setUpImprove(store, engine, luminance, (design) => inFull(engine, design), (error) => tell(`${message(error)}.`, "trouble"), native);
+  setUpImprove(store, engine, { luminance, simulated: inEngine, own: (design) => inFull(engine, design), fail: (error) => tell(`${message(error)}.`, "trouble"), native });
+  const limits = byId("limits", HTMLElement);
+  let dismissed = "";
+  const limitsText = () => {
+    const cameras = [store.camera, ...(store.pinned && !isPinned() ? [store.pinned] : [])].map((camera, i) => ({ name: i === 0 ? camera.name : `the pinned ${camera.name}`, left: simulated(engine, camera).left }));
+    const parts = cameras.filter(({ left }) => left.length > 0).map(({ name: of, left }) => `for ${of}: ${left.join(", ")}`);
+    return parts.length === 0 ? "" : `Not simulated on this page ${parts.join("; ")}. Saved files, shared addresses and full computations use the camera as stated.`;
+  };
+  const showLimits = () => {
+    const text = limitsText();
+    const place = /** @type {HTMLElement} */ (limits.firstElementChild);
+    if (place.textContent !== text) place.textContent = text;
+    limits.hidden = text === "" || text === dismissed;
+  };
+  byId("limits-dismiss", HTMLButtonElement).addEventListener("click", () => {
+    dismissed = limitsText();
+    showLimits();
+    name.focus();
+  });
+  byId("dismiss", HTMLButtonElement).addEventListener("click", () => tell(""));
   const show = () => {
     if (document.activeElement !== name) name.value = store.camera.name;
     undo.setAttribute("aria-disabled", String(!store.canUndo));
     redo.setAttribute("aria-disabled", String(!store.canRedo));
+    showLimits();
     byId("pinned", HTMLElement).textContent = isPinned() ? "Change something to see what it does." : `Against the pinned ${store.pinned?.name}`;
   };
   store.on(["design", "pin"], () => {
@@ -327,6 +378,20 @@ async function start() {
     work.again();
   });
   for (const select of [scene, byId("family", HTMLSelectElement)]) select.addEventListener("change", () => work.again());
+  // A design is pasted into the address of the open page.
+  addEventListener("hashchange", async () => {
+    try {
+      const shared = await inAddress(engine);
+      if (!shared) return;
+      const absent = showConditions(shared);
+      showLight();
+      store.change(shared.camera, "opening the address");
+      store.pin(shared.pinned ?? shared.camera);
+      tell(absent || `${shared.camera.name} of the address is open.`);
+    } catch (error) {
+      tellAddress(error);
+    }
+  });
   showLight();
   show();
   mosaic();

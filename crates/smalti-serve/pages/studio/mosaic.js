@@ -12,6 +12,8 @@ function inkOn(color) {
   return 0.2126 * r + 0.7152 * g + 0.0722 * b > 0.18 ? "#111111" : "#ffffff";
 }
 
+/** Tiles with a longer side take the whole width of the panel. */
+const LARGE_SIDE = 6;
 const ARROWS = /** @type {Record<string, [number, number]>} */ ({ ArrowUp: [-1, 0], ArrowDown: [1, 0], ArrowLeft: [0, -1], ArrowRight: [0, 1] });
 
 /**
@@ -92,9 +94,19 @@ export function setUpMosaic(store, catalogue, colors) {
     const [row, col] = (cell.dataset.cell ?? "").split(",").map(Number);
     return [row, col];
   }
+  /** Whether the finger that is down scrolls a large tile in its box, so that only a tap paints. */
+  let isScrolling = false;
+  grid.addEventListener("click", (event) => {
+    const at = under(/** @type {PointerEvent} */ (event));
+    if (!isScrolling || !at) return;
+    focus(...at);
+    if (lockCells.checked) lockAt(...at);
+    else paintAt(...at, store.selected, `stroke ${++stroke}`);
+  });
   grid.addEventListener("pointerdown", (event) => {
     const at = under(event);
-    if (!at || event.button !== 0) return;
+    isScrolling = event.pointerType === "touch" && getComputedStyle(grid).touchAction !== "none";
+    if (!at || event.button !== 0 || isScrolling) return;
     event.preventDefault();
     focus(...at);
     if (lockCells.checked) return lockAt(...at);
@@ -187,6 +199,7 @@ export function setUpMosaic(store, catalogue, colors) {
       grid.replaceChildren(...Array.from({ length: rows }, (_, row) => make("div", { role: "row" }, ...Array.from({ length: cols }, (_, col) => cell(row, col)))));
       grid.style.setProperty("--cols", String(cols));
       grid.style.setProperty("--side", String(Math.max(rows, cols)));
+      grid.parentElement?.toggleAttribute("data-large", Math.max(rows, cols) > LARGE_SIDE);
       grid.setAttribute("aria-rowcount", String(rows));
       grid.setAttribute("aria-colcount", String(cols));
       if (hadFocus) cellAt(atRow, atCol).focus();

@@ -148,7 +148,7 @@ export async function setUpNative(shown) {
     // The server ended in between.
     native = undefined;
   }
-  byId("without-server", HTMLElement).hidden = native !== undefined;
+  for (const item of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-without-server]"))) item.hidden = native !== undefined;
   if (!native) return undefined;
   panel.hidden = false;
   for (const item of items) item.hidden = false;
@@ -161,6 +161,7 @@ export async function setUpNative(shown) {
       return undefined;
     }
     stop = new AbortController();
+    const { signal } = stop;
     show();
     bar.removeAttribute("value");
     state.textContent = `${title}…`;
@@ -170,12 +171,14 @@ export async function setUpNative(shown) {
     let result;
     try {
       result = await native.run(job, ({ step, done, of }) => {
+        // The job goes on until its present step is done; the page says that it ends.
+        if (signal.aborted) return;
         if (of > 0) {
           bar.max = of;
           bar.value = done;
         }
         state.textContent = `${title}: ${[step, of > 0 && `${done} of ${of}`].filter(Boolean).join(", ") || "…"}`;
-      }, stop.signal);
+      }, signal);
       const notes = result.said.notes.map((/** @type {string} */ note) => ` ${note}.`).join("");
       state.textContent = `${title} is done.${notes}`;
     } catch (error) {
@@ -224,7 +227,8 @@ export async function setUpNative(shown) {
       return undefined;
     }
     const job = { capture: { design: camera, scene, luminance_cd_m2: luminance, pipeline } };
-    return { job, name: (/** @type {string} */ extension) => fileName(`${camera.name} ${scene} ${luminance}`, extension) };
+    const about = `${camera.name}, ${scene}, ${luminance} cd/m²`;
+    return { job, about, name: (/** @type {string} */ extension) => fileName(`${camera.name} ${scene} ${luminance}`, extension) };
   }
 
   async function takePicture() {
@@ -235,8 +239,7 @@ export async function setUpNative(shown) {
     const address = URL.createObjectURL(files.picture);
     const old = picture.querySelector("img");
     if (old) URL.revokeObjectURL(old.src);
-    const { camera, scene, luminance } = shown();
-    const about = `${camera.name}, ${scene}, ${luminance} cd/m²`;
+    const { about } = wanted;
     const scores = said.cpsnr_db === null ? "" : ` CPSNR ${text(said.cpsnr_db, 2)} dB, ΔE2000 ${text(said.pixel_delta_e_2000_mean, 2)}, S-CIELAB ${text(said.scielab_mean, 2)}.`;
     const keep = (/** @type {string} */ label, /** @type {string} */ kind, /** @type {string} */ extension) => make("button", { type: "button", click: () => save(wanted.name(extension), files[kind]) }, label);
     picture.replaceChildren(

@@ -102,8 +102,9 @@ export function setUpPicture(onView) {
     split.setAttribute("aria-valuetext", `${Math.round(100 * line)} % of the width shows the design`);
     const button = document.querySelector('[data-view="other"]');
     if (button) button.textContent = other.value === "pin" ? "Pinned" : "Reference";
-    const nameOther = other.value === "pin" ? `Pinned: ${names.pin}` : "Reference";
-    caption.textContent = view === "other" ? nameOther : view === "map" ? "ΔE2000 from the reference" : names.own;
+    const nameOther = other.value === "pin" ? `Pinned: ${names.pin}${layers.pin ? "" : ", being computed…"}` : "Reference";
+    const nameMap = `ΔE2000 from the reference${layers.map ? "" : ", being computed…"}`;
+    caption.textContent = view === "other" ? nameOther : view === "map" ? nameMap : names.own;
     captionOther.textContent = nameOther;
     captionOther.hidden = view !== "split";
     byId("scale", HTMLDivElement).hidden = view !== "map";
@@ -210,18 +211,20 @@ export function setUpPicture(onView) {
   return {
     /** Whether the pinned picture is looked at. */
     needsPin: () => other.value === "pin" && (view === "split" || view === "other"),
+    /** Whether the map of differences is looked at. */
     needsMap: () => view === "map",
-    /** @param {Picture} picture @param {string} name */
-    showOwn(picture, name) {
+    /** @param {Picture} picture @param {string} name @param {boolean} isSame Whether the map of differences that is there is that of this picture. */
+    showOwn(picture, name, isSame) {
       const { width, height } = picture;
       layers.own = canvasOf(picture.rgba, width, height);
       layers.reference = canvasOf(picture.reference, width, height);
       if (picture.difference) layers.map = mapOf(picture.difference, width, height);
+      else if (!isSame) layers.map = undefined;
       names = { ...names, own: name };
       stage.setAttribute("aria-busy", "false");
       show();
     },
-    /** @param {Picture | undefined} picture @param {string} name */
+    /** @param {Picture | undefined} picture None while it is not known. @param {string} name */
     showPin(picture, name) {
       layers.pin = picture && canvasOf(picture.rgba, picture.width, picture.height);
       names = { ...names, pin: name };

@@ -1,6 +1,7 @@
 // @ts-check
 // The scores: each with what the change from the pinned design did, also as a bar, and expected figures over light.
 import { byId, draw, make } from "./dom.js";
+import { SEED } from "./engine.js";
 
 /** @typedef {import("./engine.js").Picture} Picture */
 /** @typedef {import("./engine.js").Scores} Scores */
@@ -15,7 +16,7 @@ const SCORES = [
   { label: "CPSNR", metric: "cpsnr_db", unit: "dB", title: "Peak signal-to-noise ratio of the picture against the reference", better: 1, digits: 2, get: (k) => k.picture?.scores?.cpsnr_db },
   { label: "ΔE2000", metric: "pixel_delta_e_2000_mean", unit: "", title: "Mean CIEDE2000 over the pixels of the picture", better: -1, digits: 2, get: (k) => k.picture?.scores?.pixel_delta_e_2000_mean },
   { label: "ΔE2000, 95 %", metric: "pixel_delta_e_2000_p95", unit: "", title: "CIEDE2000 that 95 % of the pixels do not exceed", better: -1, digits: 2, get: (k) => k.picture?.scores?.pixel_delta_e_2000_p95 },
-  { label: "S-CIELAB", metric: "scielab_mean", unit: "", title: "Mean visible difference, filtered as the eye does", better: -1, digits: 2, get: (k) => k.picture?.scores?.scielab_mean },
+  { label: "S-CIELAB", metric: "scielab_mean", unit: "", title: "Mean colour difference after filtering by the spatial response of the eye", better: -1, digits: 2, get: (k) => k.picture?.scores?.scielab_mean },
   {
     label: "MTF50 4:1", metric: "mtf50_low_contrast_cy_per_px", unit: "cy/px", title: "Spatial frequency at which the response of an edge of contrast 4:1 falls to one half, without noise", better: 1, digits: 3,
     get: (k) => k.picture?.scores?.targets.mtf50_low_contrast_cy_per_px,
@@ -24,12 +25,12 @@ const SCORES = [
     label: "Noise", metric: "luminance_noise_percent", unit: "%", title: "Luminance noise on the grey patches of the ColorChecker, mean over four captures", better: -1, digits: 2,
     get: (k) => k.picture?.scores?.targets.luminance_noise_percent,
   },
-  { label: "Saturated", metric: "saturated_percent", unit: "%", title: "Samples at the end of the range", better: -1, digits: 2, get: (k) => k.picture?.saturated_percent },
+  { label: "Saturated", metric: "saturated_percent", unit: "%", title: "Share of the samples that are saturated", better: -1, digits: 2, get: (k) => k.picture?.saturated_percent },
   { label: "Photon efficiency", metric: "photon_efficiency", unit: "%", title: "Share of the light on the pixels that becomes electrons", better: 1, digits: 1, get: (k) => scaled(k.figures?.array.photon_efficiency, 100) },
-  { label: "Noise gain", metric: "luminance_noise_gain", unit: "×", title: "Noise of the luminance that the colour transform makes from noise of the channels", better: -1, digits: 2, get: (k) => k.figures?.array.luminance_noise_gain },
+  { label: "Noise gain", metric: "luminance_noise_gain", unit: "×", title: "Standard deviation of the luminance after the colour matrix, relative to that of independent, equal noise in the channels", better: -1, digits: 2, get: (k) => k.figures?.array.luminance_noise_gain },
   { label: "Vora value", metric: "vora_value", unit: "", title: "How well the channels span the space of the observer, 0 to 1", better: 1, digits: 3, get: (k) => k.figures?.array.vora_value },
   { label: "SMI", metric: "sensitivity_metamerism_index", unit: "", title: "Sensitivity metamerism index, ISO 17321-1; 100 is an observer", better: 1, digits: 1, get: (k) => k.figures?.array.sensitivity_metamerism_index },
-  { label: "Condition", metric: "condition_number", unit: "", title: "Condition number of the channels; a large one amplifies noise", better: -1, digits: 2, get: (k) => k.figures?.array.condition_number },
+  { label: "Condition number", metric: "condition_number", unit: "", title: "Largest singular value of the channels divided by the smallest; noise is amplified where it is large", better: -1, digits: 2, get: (k) => k.figures?.array.condition_number },
 ];
 /** Bars end at this many of the smallest relevant differences. */
 const BAR_END = 10;
@@ -86,6 +87,8 @@ export function setUpScores(relevances) {
     tiles.append(make("div", { class: "tile", title: score.title }, make("dt", {}, score.label), make("dd", {}, make("span", { class: "amount" }, value, make("span", { class: "unit" }, score.unit)), gauge, delta)));
     return { score, value, delta, gauge, fill };
   });
+  byId("definitions", HTMLElement).append(...SCORES.flatMap(({ label, title, better }) => [make("dt", {}, label), make("dd", {}, `${title}. ${better > 0 ? "Higher" : "Lower"} is better.`)]));
+  byId("seed", HTMLElement).textContent = String(SEED);
   metric.append(...Object.entries(FIGURES).map(([value, { label }]) => make("option", { value }, label)));
 
   const svg = draw("svg", { role: "img" });
@@ -123,7 +126,7 @@ export function setUpScores(relevances) {
       draw("path", { class: "own", d: path(over.own) }),
     );
     const ends = over.own.length > 0 ? `from ${text(over.own[0][key], 1)} at ${over.own[0].luminance_cd_m2} cd/m² to ${text(over.own[over.own.length - 1][key], 1)} at ${over.own[over.own.length - 1].luminance_cd_m2} cd/m²` : "";
-    svg.setAttribute("aria-label", `Expected ${FIGURES[key].label} over light, ${ends}`);
+    svg.setAttribute("aria-label", `Expected ${FIGURES[key].label} over luminance, ${ends}`);
   }
   metric.addEventListener("change", showCurve);
   new ResizeObserver(() => {
@@ -167,7 +170,7 @@ export function setUpScores(relevances) {
       note = text;
       showCurve();
     },
-    /** @param {import("./engine.js").Warning[]} all */
+    /** Shows warnings, which are not announced: they change with every step of a drag. @param {import("./engine.js").Warning[]} all */
     warn(all) {
       const messages = [...new Set(all.map((w) => sentence(w.message)))];
       const [summary, list] = [/** @type {HTMLElement} */ (warnings.querySelector("summary")), /** @type {HTMLElement} */ (warnings.querySelector("ul"))];
@@ -178,6 +181,8 @@ export function setUpScores(relevances) {
       warnings.toggleAttribute("data-some", messages.length > 0);
       if (messages.length === 0) warnings.open = false;
     },
+    /** The warnings in words. */
+    warned: () => /** @type {HTMLElement} */ (warnings.querySelector("summary")).textContent ?? "",
   };
 }
 

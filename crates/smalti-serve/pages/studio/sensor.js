@@ -45,9 +45,9 @@ const FIELDS = [
   ofKey({ id: "fill-factor", label: "Fill factor", unit: "%", key: "sensor.pixel.fill_factor", step: 1, isLens: true, factor: 100, title: "Photodetector area divided by pixel area" }),
   { id: "read-noise", label: "Read noise", unit: "e⁻", key: "sensor.pixel.read_noise_e", step: 0.1, get: readNoise, set: withReadNoise },
   ofKey({ id: "full-well", label: "Full well", unit: "e⁻", key: "sensor.pixel.full_well_e", step: 100 }),
-  ofKey({ id: "gain", label: "Gain", title: "Conversion gain of a pixel", unit: "µV/e⁻", key: "sensor.pixel.conversion_gain_uv_per_e", step: 1 }),
+  ofKey({ id: "gain", label: "Conversion gain", unit: "µV/e⁻", key: "sensor.pixel.conversion_gain_uv_per_e", step: 1 }),
   ofKey({ id: "prnu", label: "PRNU", unit: "%", title: "Gain differences between pixels", key: "sensor.prnu_percent", step: 0.1 }),
-  { ...ofKey({ id: "bits", label: "Converter", unit: "bit", key: "sensor.adc_bits", step: 1 }), set: (c, v) => withValue(c, ["sensor", "adc_bits"], Math.round(v)) },
+  { ...ofKey({ id: "bits", label: "ADC resolution", unit: "bit", key: "sensor.adc_bits", step: 1 }), set: (c, v) => withValue(c, ["sensor", "adc_bits"], Math.round(v)) },
 ];
 
 /** The text of a number with at most four significant digits, all of those before the point. @param {number} value */
@@ -134,31 +134,32 @@ export function setUpSensor(store, engine, adopt) {
 export const lensText = ({ optics, sensor }) => `f/${shown(optics.f_number)}, ${shown(sensor.pixel.pitch_um)} µm`;
 
 /**
- * A camera as the page can draw it: on the wavelengths of its light, with
- * exposure by the brightest point in place of a percentile, without crosstalk and binning. `changed` says what was changed.
- * @param {Engine} engine @param {Camera} camera @returns {{ camera: Camera, changed: string }}
+ * A camera as the engine of the page simulates it: at the wavelengths of its light, exposed by the brightest point where the camera meters a percentile, without
+ * crosstalk and binning. `left` names what of the camera is not simulated.
+ * @param {Engine} engine @param {Camera} camera @returns {{ camera: Camera, left: string[] }}
  */
-export function fitted(engine, camera) {
+export function simulated(engine, camera) {
   /** @type {string[]} */
-  const changed = [];
-  let fits = camera;
+  const left = [];
+  let own = camera;
   const [{ camera: first }] = engine.setups;
   const grid = (/** @type {any} */ c) => c.wavelengths_nm ?? [400, 10, 700];
-  if (JSON.stringify(grid(fits)) !== JSON.stringify(grid(first))) {
-    fits = withValue(fits, ["wavelengths_nm"], /** @type {any} */ (first).wavelengths_nm ?? undefined);
-    changed.push(`wavelengths from ${grid(first)[0]} to ${grid(first)[2]} nm, at which the page has its scenes, in place of ${grid(camera)[0]} to ${grid(camera)[2]} nm`);
+  const words = (/** @type {number[]} */ [from, step, to]) => `${from} to ${to} nm in steps of ${step} nm`;
+  if (JSON.stringify(grid(own)) !== JSON.stringify(grid(first))) {
+    own = withValue(own, ["wavelengths_nm"], /** @type {any} */ (first).wavelengths_nm ?? undefined);
+    left.push(`its wavelengths of ${words(grid(camera))} (here ${words(grid(first))})`);
   }
-  if (fits.exposure.auto === "luminance" && fits.exposure.time_ms === undefined) {
-    fits = withValue(withValue(fits, ["exposure", "auto"], "specular"), ["exposure", "auto_target"], undefined);
-    changed.push("exposure by the brightest point in place of a percentile");
+  if (own.exposure.auto === "luminance" && (own.exposure.time_ms ?? undefined) === undefined) {
+    own = withValue(withValue(own, ["exposure", "auto"], "specular"), ["exposure", "auto_target"], undefined);
+    left.push("exposure by a percentile of the illuminance (here the brightest point sets it)");
   }
-  if (fits.sensor.crosstalk_percent > 0) {
-    fits = withValue(fits, ["sensor", "crosstalk_percent"], 0);
-    changed.push("pixels without crosstalk");
+  if (own.sensor.crosstalk_percent > 0) {
+    own = withValue(own, ["sensor", "crosstalk_percent"], 0);
+    left.push("crosstalk");
   }
-  if (fits.sensor.binning) {
-    fits = withValue(fits, ["sensor", "binning"], undefined);
-    changed.push("pixels that are read one by one");
+  if (own.sensor.binning) {
+    own = withValue(own, ["sensor", "binning"], undefined);
+    left.push("binning");
   }
-  return { camera: fits, changed: changed.length === 0 ? "" : `${camera.name} is shown with ${changed.join(", and with ")}.` };
+  return { camera: own, left };
 }

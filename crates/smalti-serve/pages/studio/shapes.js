@@ -2,8 +2,8 @@
 // The shapes of filters: their numbers as fields, and the handles that change them. The curves themselves come from the engine.
 
 /** @typedef {import("./design.js").Filter} Filter */
-/** A number of a shape. @typedef {{ key: string, label: string, unit: string, min: number, max: number, step: number }} Parameter */
-/** A point that is dragged; `set` gives the filter with the point elsewhere. @typedef {{ label: string, nm: number, value: number, set: (nm: number, value: number) => Filter }} Handle */
+/** A number of a shape. @typedef {{ key: string, label: string, title?: string, unit: string, min: number, max: number, step: number }} Parameter */
+/** A point that is dragged; `set` gives the filter with the point elsewhere. With `isLevel` it moves only up and down. @typedef {{ label: string, nm: number, value: number, isLevel?: boolean, set: (nm: number, value: number) => Filter }} Handle */
 
 /** The wavelengths of the plot, nm. */
 export const [FIRST_NM, LAST_NM] = [380, 780];
@@ -20,8 +20,8 @@ export const SHAPES = {
   raised_cosine: { name: "Raised cosine", parameters: [nm("center_nm", "Centre"), width("fwhm_nm", "Width"), peak] },
   butterworth: { name: "Flat top", parameters: [nm("center_nm", "Centre"), width("fwhm_nm", "Width"), { key: "order", label: "Order", unit: "", min: 1, max: 20, step: 1 }, peak] },
   box: { name: "Box", parameters: [nm("low_nm", "From"), nm("high_nm", "To"), peak] },
-  long_pass: { name: "Long-pass", parameters: [nm("edge_nm", "Edge"), width("width_nm", "Softness", 0.5), peak] },
-  short_pass: { name: "Short-pass", parameters: [nm("edge_nm", "Edge"), width("width_nm", "Softness", 0.5), peak] },
+  long_pass: { name: "Long-pass", parameters: [nm("edge_nm", "Edge"), width("width_nm", "Edge width", 0.5), peak] },
+  short_pass: { name: "Short-pass", parameters: [nm("edge_nm", "Edge"), width("width_nm", "Edge width", 0.5), peak] },
   flat: { name: "Flat", parameters: [] },
   dye: { name: "Dye", parameters: [peak, { key: "leakage", label: "Leakage", unit: "", min: 0, max: 1, step: 0.005 }] },
   builtin: { name: "Built-in", parameters: [] },
@@ -83,17 +83,17 @@ export function handlesOf(filter, at, cursorNm) {
       return [
         { label: "Edge", nm: p.edge_nm, value: top / 2, set: (x) => changed({ edge_nm: toNm(x) }) },
         // The logistic curve is at 90 % after 2.2 widths.
-        { label: "Softness", nm: p.edge_nm + side * 2.2 * p.width_nm, value: 0.9 * top, set: (x) => changed({ width_nm: toWidth(side * (x - p.edge_nm) / 2.2, 0.5) }) },
-        { label: "Peak", nm: far, value: top, set: (_, y) => changed({ peak: Math.max(toShare(y), 0.01) }) },
+        { label: "Edge width", nm: p.edge_nm + side * 2.2 * p.width_nm, value: 0.9 * top, set: (x) => changed({ width_nm: toWidth(side * (x - p.edge_nm) / 2.2, 0.5) }) },
+        { label: "Peak", nm: far, value: top, isLevel: true, set: (_, y) => changed({ peak: Math.max(toShare(y), 0.01) }) },
       ];
     }
     case "flat":
-      return [{ label: "Transmittance", nm: 580, value: p, set: (_, y) => ({ flat: toShare(y) }) }];
+      return [{ label: "Transmittance", nm: 580, value: p, isLevel: true, set: (_, y) => ({ flat: toShare(y) }) }];
     case "dye":
       return p.bands.map((/** @type {any} */ band, /** @type {number} */ i) => {
         const height = at(band.center_nm);
         return {
-          label: `Absorption band ${i + 1}, centre and thickness`, nm: band.center_nm, value: height,
+          label: `Absorption band ${i + 1}, centre and absorbance`, nm: band.center_nm, value: height,
           // A band is deeper the lower its handle is dragged.
           set: (/** @type {number} */ x, /** @type {number} */ y) => changed({ bands: p.bands.map((/** @type {any} */ b, /** @type {number} */ j) => (j === i
             ? { ...b, center_nm: toNm(x), absorbance: round(clamp(b.absorbance - 1.5 * (y - height), 0.02, 10), 0.01) } : b)) }),
@@ -101,7 +101,7 @@ export function handlesOf(filter, at, cursorNm) {
       });
     case "samples": {
       const i = Math.round(clamp((cursorNm - p.start_nm) / p.step_nm, 0, p.values.length - 1));
-      return [{ label: "Point of the curve", nm: p.start_nm + i * p.step_nm, value: p.values[i], set: (_, y) => changed({ values: p.values.map((/** @type {number} */ v, /** @type {number} */ j) => (j === i ? toShare(y) : v)) }) }];
+      return [{ label: "Point of the curve", nm: p.start_nm + i * p.step_nm, value: p.values[i], isLevel: true, set: (_, y) => changed({ values: p.values.map((/** @type {number} */ v, /** @type {number} */ j) => (j === i ? toShare(y) : v)) }) }];
     }
     default: return [];
   }

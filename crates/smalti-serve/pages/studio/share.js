@@ -4,6 +4,8 @@
 /** @typedef {import("./design.js").Camera} Camera */
 /** What an address holds: the design, and what is compared with it. @typedef {{ camera: Camera, pinned?: Camera, scene?: string, luminance?: number }} Shared */
 
+/** The scene of an address whose picture is a photograph of the sender, which is not in the address. */
+export const PHOTOGRAPH = "photograph";
 /** The version of the form. */
 const PREFIX = "#1.";
 /** The largest design that is read, characters of JSON. */

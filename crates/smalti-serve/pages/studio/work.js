@@ -7,12 +7,16 @@
 /** @typedef {import("./engine.js").Expected} Expected */
 /** @typedef {import("./design.js").Camera} Camera */
 /** What is shown. @typedef {{ camera: Camera, pinned: Camera | undefined, scene: string, luminance: number, family: import("./engine.js").Family }} Wanted */
+/** What of the picture is looked at. @typedef {{ pin: boolean, map: boolean }} Seen */
+/** What goes on beside each other. @typedef {"pictures" | "figures"} Loop */
 /**
- * Where results go. A picture without scores comes first, the same with scores follows. `waits` says whose light is being gathered, for a picture or for figures.
+ * Where results go. A picture without scores comes first, unless the map of differences is looked at; the same with scores follows. The pinned picture is
+ * `undefined` while none is known for the scene and the light. `waits` says whose light is being gathered, for a picture or for figures. `worked` follows the first
+ * result of a loop, `done` the last results of both.
  * @typedef {{
- *   picture: (picture: Picture, wanted: Wanted) => void, pinned: (picture: Picture | undefined) => void, curves: (curves: import("./engine.js").Curves) => void,
- *   figures: (own: Scores, pinned: Scores | undefined) => void, overLight: (own: Expected[], pinned: Expected[]) => void, done: () => void, failed: (error: unknown) => void,
- *   waits: (design: Camera | undefined, isForPicture: boolean) => void,
+ *   picture: (picture: Picture, wanted: Wanted) => void, pinned: (picture: Picture | undefined, wanted: Wanted) => void, curves: (curves: import("./engine.js").Curves) => void,
+ *   figures: (own: Scores, pinned: Scores | undefined) => void, overLight: (own: Expected[], pinned: Expected[], luminance: number) => void, done: () => void,
+ *   worked: (loop: Loop) => void, failed: (loop: Loop, error: unknown) => void, waits: (design: Camera | undefined, isForPicture: boolean) => void,
  * }} Results
  */
 
@@ -37,29 +41,41 @@ class Last {
   }
 }
 
-/** @param {Engine} engine @param {() => Wanted} wanted @param {() => boolean} isPinSeen @param {Results} results */
-export function setUpWork(engine, wanted, isPinSeen, results) {
+/** @param {Engine} engine @param {() => Wanted} wanted @param {() => Seen} seen @param {Results} results */
+export function setUpWork(engine, wanted, seen, results) {
   let version = 0;
+  /** The version of the last results of each loop. @type {Record<Loop, number>} */
+  const done = { pictures: -1, figures: -1 };
   /** Ends what waits for the light of an older version. */
   let renew = () => {};
   /** @type {Promise<void>} */
   let renewed = new Promise((resolve) => { renew = resolve; });
   /** @type {Last<Picture>} */ const pinPicture = new Last();
   /** @type {Last<Scores>} */ const pinFigures = new Last();
-  /** Loops at work. @type {Set<string>} */
+  /** Loops at work. @type {Set<Loop>} */
   const busy = new Set();
 
-  /** Runs `work` for the latest version until none is newer. @param {string} name @param {(isOld: () => boolean) => Promise<void>} work */
+  /**
+   * Runs `work` for the latest version until none is newer. It answers whether it has all results: another request may have taken the place of one of its own.
+   * @param {Loop} name @param {(isOld: () => boolean) => Promise<boolean>} work
+   */
   async function loop(name, work) {
     if (busy.has(name)) return;
     busy.add(name);
-    for (let done = -1; done !== version;) {
-      done = version;
-      const mine = version;
+    for (let mine = -1; mine !== version;) {
+      mine = version;
+      const isOld = () => version !== mine;
       try {
-        await work(() => version !== mine);
+        const isComplete = await work(isOld);
+        if (isOld()) continue;
+        if (!isComplete) {
+          mine = -1;
+          continue;
+        }
+        done[name] = mine;
+        if (done.pictures === done.figures) results.done();
       } catch (error) {
-        if (version === mine) results.failed(error);
+        if (!isOld()) results.failed(name, error);
       }
     }
     busy.delete(name);
@@ -70,11 +86,10 @@ export function setUpWork(engine, wanted, isPinSeen, results) {
    * @param {Camera} design @param {import("./engine.js").LightOf[]} all @param {() => boolean} isOld
    */
   async function light(design, all, isOld) {
-    const gathered = engine.light(design, all);
-    if (!gathered) return;
+    if (engine.hasLight(design, all)) return;
     const isForPicture = all[0] !== "statistics";
     results.waits(design, isForPicture);
-    await Promise.race([gathered, renewed]);
+    await Promise.race([engine.light(design, all), renewed]);
     if (!isOld()) results.waits(undefined, isForPicture);
   }
 
@@ -86,49 +101,57 @@ export function setUpWork(engine, wanted, isPinSeen, results) {
     const { camera, pinned, scene, luminance } = now;
     const request = { design: camera, scene, luminance };
     await light(camera, ["training", { scene }], isOld);
-    if (isOld()) return;
+    if (isOld()) return false;
     results.waits(undefined, true);
-    const first = await engine.draw(request);
-    if (first) results.picture(first, now);
+    const first = await engine.draw({ ...request, measure: seen().map });
+    if (!first) return false;
+    results.worked("pictures");
+    results.picture(first, now);
     const pinKey = JSON.stringify([pinned, scene, luminance]);
+    if (!pinPicture.has(pinKey)) results.pinned(undefined, now);
     const showPin = async () => {
       if (pinned) await light(pinned, ["training", { scene }], isOld);
-      if (isOld()) return;
+      if (isOld()) return false;
       const picture = pinned && await pinPicture.get(pinKey, () => engine.draw({ design: pinned, scene, luminance, measure: true }));
-      if (!isOld() && picture !== null) results.pinned(picture);
+      if (isOld() || picture === null) return false;
+      results.pinned(picture, now);
+      return true;
     };
-    if (isOld()) return;
-    if (isPinSeen() && !pinPicture.has(pinKey)) await showPin();
+    if (isOld()) return false;
+    if (seen().pin && !pinPicture.has(pinKey)) await showPin();
     await pause();
-    if (isOld()) return;
-    const measured = await engine.draw({ ...request, measure: true });
-    if (isOld()) return;
-    if (measured) results.picture(measured, now);
-    await showPin();
-    if (!isOld()) results.done();
+    if (isOld()) return false;
+    const measured = first.scores ? first : await engine.draw({ ...request, measure: true });
+    if (isOld()) return false;
+    if (!measured) return false;
+    results.picture(measured, now);
+    return showPin();
   }
 
   /** @param {() => boolean} isOld */
   async function figures(isOld) {
     const { camera, pinned, luminance, family } = wanted();
     results.curves(await engine.curves(camera));
-    if (isOld()) return;
-    const all = engine.light(camera, ["statistics"]) || (pinned && engine.light(pinned, ["statistics"]));
-    if (all) {
+    if (isOld()) return false;
+    const waiting = [camera, pinned].filter((design) => design && !engine.hasLight(design, ["statistics"]));
+    if (waiting.length > 0) {
       // The figures of the array alone need no light.
       const array = await engine.scores(camera, [], { family });
-      if (!array || isOld()) return;
+      if (!array || isOld()) return false;
       results.figures(array, pinned && await engine.scores(pinned, []) || undefined);
-      results.overLight([], []);
+      results.overLight([], [], luminance);
       // After the light of the picture.
-      for (const design of [camera, pinned]) if (design && !isOld()) await light(design, ["statistics"], isOld);
-      if (isOld()) return;
+      for (const design of waiting) if (design && !isOld()) await light(design, ["statistics"], isOld);
+      if (isOld()) return false;
     }
     const own = await engine.scores(camera, [luminance, ...LUMINANCES], { family });
-    if (!own || isOld()) return;
+    if (!own || isOld()) return false;
     const before = pinned && await pinFigures.get(JSON.stringify([pinned, luminance]), () => engine.scores(pinned, [luminance, ...LUMINANCES]));
-    results.figures(own, before ?? undefined);
-    results.overLight(own.expected.slice(1), before?.expected.slice(1) ?? []);
+    if (before === null || isOld()) return false;
+    results.worked("figures");
+    results.figures(own, before);
+    results.overLight(own.expected.slice(1), before?.expected.slice(1) ?? [], luminance);
+    return true;
   }
 
   /** Computes what is shown anew. */

@@ -51,7 +51,8 @@ macro_rules! embedded {
     };
 }
 
-static EMBEDDED: [(&str, &[u8]); 24] = embedded![
+static EMBEDDED: [(&str, &[u8]); 25] = embedded![
+    "bench.js",
     "design.js",
     "dom.js",
     "engine-worker.js",
