@@ -145,6 +145,24 @@ fn one_job_of_a_page_is_at_work_and_cancelling_ends_it_soon() {
     assert!(begun.elapsed() < Duration::from_secs(20), "{:?}", begun.elapsed());
 }
 
+/// A sweep learns, tells how far it is, and is cancelled.
+#[test]
+fn a_sweep_can_be_cancelled() {
+    let mut socket = connect();
+    let sweep = json!({"design": design(), "set": "charts", "luminances_cd_m2": [1, 10]});
+    send(&mut socket, &json!({"start": {"id": 4, "job": {"sweep": sweep}}}));
+    loop {
+        let Message::Text(text) = socket.read().unwrap() else { panic!("expected progress") };
+        let said: Value = serde_json::from_str(text.as_str()).unwrap();
+        // Five kinds of filters at two luminances on each chart, and the training.
+        if said["progress"]["of"].as_u64().unwrap() > 10 {
+            break;
+        }
+    }
+    send(&mut socket, &json!({"cancel": {"id": 4}}));
+    assert_eq!(answer(&mut socket), json!({"cancelled": {"id": 4}}));
+}
+
 #[test]
 fn a_page_that_is_gone_leaves_no_work_behind() {
     let mut socket = connect();
@@ -231,6 +249,14 @@ fn designs_and_scenes_that_are_none_have_no_result() {
         (capture(&design(), "photo-spices"), "there is no scene"),
         (capture(&json!({"sensor": {"rows": "many"}}), "spices"), "rows"),
         (json!({"table": {"design": []}}), "expected"),
+        (
+            json!({"sweep": {"design": design(), "set": "../scenes", "luminances_cd_m2": [1]}}),
+            "there is no set of scenes \"../scenes\"; expected charts, natural, all",
+        ),
+        (
+            json!({"sweep": {"design": design(), "set": "charts", "luminances_cd_m2": [0]}}),
+            "a luminance of 0 cd/m²",
+        ),
         (search("design", many), "the mosaic has 27 filters; a search takes at most 26"),
         (search("filters", json!(["X"])), "the array has no filter \"X\""),
         (search("cells", json!([[2, 0]])), "the cell 2, 0 is not in the tile of 2 × 2"),

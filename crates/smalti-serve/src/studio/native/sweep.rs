@@ -69,3 +69,42 @@ fn csv(rows: &[ToleranceRow]) -> String {
     };
     line(head.collect()) + &rows.iter().map(row).collect::<String>()
 }
+
+#[cfg(test)]
+mod tests {
+    use smalti::design::Deviation;
+    use smalti::experiment::Estimate;
+
+    use super::*;
+
+    #[test]
+    fn a_table_has_a_row_for_each_deviation_and_luminance() {
+        let row = |deviation: Deviation, changes| ToleranceRow {
+            deviation,
+            name: deviation.to_string(),
+            luminance_cd_m2: 10.0,
+            means: [30.5, 2.0, 3.0],
+            changes,
+        };
+        let change = |value| Estimate { value, interval: None };
+        let rows = [
+            row(Deviation::NONE, None),
+            row(Deviation::shift(-5.0), Some([change(-0.5), change(0.25), change(0.0)])),
+        ];
+        let csv = csv(&rows);
+        let lines: Vec<&str> = csv.lines().collect();
+        assert!(
+            lines[0].starts_with(
+                "shift_nm,thickness,luminance_cd_m2,cpsnr_db,cpsnr_db_change,cpsnr_db_change_low,"
+            )
+        );
+        assert!(lines[0].ends_with(",scielab_mean_change_high"));
+        assert_eq!(lines[1], "0,1,10,30.5,,,,2,,,,3,,,");
+        assert_eq!(lines[2], "-5,1,10,30.5,-0.5,,,2,0.25,,,3,0,,");
+        assert!(lines.iter().all(|line| line.split(',').count() == lines[0].split(',').count()));
+        assert!(
+            set("natural").is_ok()
+                && set("none").unwrap_err().to_string().contains("expected charts, natural, all")
+        );
+    }
+}
