@@ -4,15 +4,14 @@ use std::path::{Path, PathBuf};
 
 use anyhow::ensure;
 use clap::Args;
-use smalti::camera::{Camera, ScoreSettings, TestScene};
-use smalti::experiment::{
-    ComparisonSettings, IspKeys, Processing, Progress as _, camera_differences, compare, light_gains_to_first,
-};
+use smalti::camera::ScoreSettings;
+use smalti::experiment::{ComparisonSettings, Progress as _, compare, light_gains_to_first};
 use smalti_io::comparisons::{self, ComparisonFiles, RESULTS};
-use smalti_report::comparison::{Comparison, Conditions, PAGE, SIDE_BY_SIDE};
+use smalti_io::test_scenes::scene_label;
+use smalti_report::comparison::{Comparison, PAGE, SIDE_BY_SIDE, Stated};
 
 use crate::args::Common;
-use crate::contest::{Contest, ContestOptions, scene_label};
+use crate::contest::{Contest, ContestOptions};
 use crate::learning_args::LearningOptions;
 use crate::progress::Progress;
 use crate::{resolve, table};
@@ -70,10 +69,6 @@ pub(crate) fn run(args: &Compare, words: &[String], common: &Common) -> anyhow::
     let contest = options.resolve(&args.cameras, &args.learning, &args.output, resources, common)?;
     let Contest { cameras, labels, .. } = &contest;
     let (contenders, left_out) = contest.contenders(&options.processing, &progress)?;
-    // The table of differences is about the cameras that are compared.
-    let is_compared = |label: &String| contenders.iter().any(|c| c.label == label);
-    let (compared_cameras, compared_labels): (Vec<Camera>, Vec<String>) =
-        cameras.iter().cloned().zip(labels.iter().cloned()).filter(|(_, label)| is_compared(label)).unzip();
     let settings = ComparisonSettings {
         luminances_cd_m2: options.luminance.clone(),
         illuminant: contest.illuminant.clone(),
@@ -89,32 +84,11 @@ pub(crate) fn run(args: &Compare, words: &[String], common: &Common) -> anyhow::
     } else {
         Vec::new()
     };
-    let scene_labels: Vec<String> = settings.scenes.iter().map(|s| scene_label(s.name())).collect();
-    let own_light: Vec<bool> = settings.scenes.iter().map(TestScene::keeps_light).collect();
-    let learned_only = contenders.iter().all(|c| c.processing == Processing::L3);
-    let isp = if learned_only { IspKeys::Unused } else { IspKeys::ColorMatrix };
-    let conditions = Conditions {
-        exposure: compared.exposure.applied(),
-        cameras: &compared_cameras,
-        differences: &camera_differences(&compared_cameras, isp)?,
-        limiting: compared.exposure.limiting(),
-        labels: &compared_labels,
-    };
-    let report = Comparison {
-        command: &resolve::command_line(words, &args.cameras),
-        cameras,
-        labels,
-        contenders: &contenders,
-        left_out: &left_out,
-        outcomes: &compared.outcomes,
-        conditions,
-        gains: &gains,
-        scene_labels: &scene_labels,
-        own_light: &own_light,
-        illuminant: &options.illuminant,
-        seed,
-        verdict: &compared.verdict,
-    };
+    let stated = Stated::new((cameras, labels), &contenders, &settings, scene_label)?;
+    let stated = stated.with_illuminant(&options.illuminant);
+    let command = resolve::command_line(words, &args.cameras);
+    let report = stated.report(&command, (cameras, labels), &left_out, &compared);
+    let report = Comparison { gains: &gains, ..report };
     let text = serde_json::to_string_pretty(&report.document()?)? + "\n";
     progress.begin("writing");
     write_files(&report, &args.output, &text)?;
@@ -128,7 +102,7 @@ pub(crate) fn run(args: &Compare, words: &[String], common: &Common) -> anyhow::
     };
     crate::print(&format!(
         "{verdict}{}\n{}{}{}\n{}; see {}; all results are in {}\n",
-        conditions.text(&table::render),
+        report.conditions.text(&table::render),
         report.scores_table(&table::render),
         report.fixed_point_line(),
         report.gains_table(&table::render),

@@ -7,7 +7,7 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use smalti::camera::{Camera, TestScene};
 use smalti::experiment::{
     Contender, PipelineSet, Processing, Progress as _, Resources, contenders, ensure_any_defined, pipelines,
-    scene_lights,
+    scene_lights, without_infrared,
 };
 use smalti::isp::Demosaic;
 use smalti::spectrum::Illuminant;
@@ -126,7 +126,7 @@ impl ContestOptions {
                 common,
             );
         }
-        resolve::without_infrared(&cameras, &scenes, &illuminant)?.iter().for_each(|text| note(text, common));
+        without_infrared(&cameras, &scenes, &illuminant)?.iter().for_each(|text| note(text, common));
         let learning = (&settings, &training);
         let pipelines = pipelines(&cameras, &labels, given, &self.processing, learning, &lights, resources)?;
         Ok(Contest { cameras, labels, scenes, illuminant, pipelines })
@@ -157,10 +157,4 @@ impl Contest {
         contenders.iter().filter_map(Contender::other_than_green).for_each(|text| progress.note(&text));
         Ok((contenders, left_out))
     }
-}
-
-/// The name of a scene without its folder, parameters and extension.
-pub(crate) fn scene_label(scene: &str) -> String {
-    let name = if resolve::is_file(scene) { scene } else { scene.split('?').next().unwrap_or(scene) };
-    Path::new(name).file_stem().map_or_else(|| scene.to_owned(), |s| s.to_string_lossy().into_owned())
 }

@@ -6,7 +6,10 @@ use anyhow::Context;
 use clap::Args;
 use serde_json::json;
 use smalti::camera::{Camera, Photograph, ScoreSettings};
-use smalti::experiment::{Progress as _, ScoredWindow, Simulation, SimulationSettings, simulate};
+use smalti::experiment::{
+    FieldOfView, PreparedCapture, Progress as _, ScoredWindow, Simulation, SimulationSettings, displayed,
+    simulate,
+};
 use smalti::scene::Scene;
 use smalti::sensor::{NoiseMode, RawImage, RawSamples};
 use smalti::spectrum::SpectralCube;
@@ -90,16 +93,17 @@ pub(crate) fn run(args: &Simulate, common: &Common) -> anyhow::Result<()> {
     notes.iter().for_each(|note| progress.note(note));
     let pipeline = args.pipeline.as_ref().map(|file| l3::read_table(file)).transpose()?;
     let scene = resolve::scene_for(&args.scene, &args.scene_options, &camera, common)?;
-    let mut camera = camera.on_grid(scene.radiance().grid())?;
-    for text in resolve::light_notes(&camera, scene.illuminant())? {
+    let field_of_view = match (args.scene_options.states_fov(&args.scene), resolve::is_file(&args.scene)) {
+        (true, _) => FieldOfView::Stated,
+        (false, true) => FieldOfView::FittedFile,
+        (false, false) => FieldOfView::Fitted,
+    };
+    let PreparedCapture { camera, scene, notes } =
+        PreparedCapture::new(&camera, scene, field_of_view, args.full_frame)?;
+    for text in notes {
         progress.note(&format!("{}: {text}", camera.description().name));
     }
-    let keeps_fov = args.scene_options.states_fov(&args.scene);
-    let scene = if keeps_fov { scene } else { camera.fitted(scene, resolve::is_file(&args.scene))? };
     progress.done();
-    if !args.full_frame {
-        camera.sensor.window = Some(camera.window_on(&scene)?);
-    }
     let facts = json!({
         "name": args.scene,
         "mean_luminance_cd_m2": scene.mean_luminance_cd_m2()?,
@@ -122,8 +126,7 @@ pub(crate) fn run(args: &Simulate, common: &Common) -> anyhow::Result<()> {
             .with_context(about_table)?;
     progress.begin("writing");
     // All results are computed before the first file is written.
-    let gain = photo.picture.brightness_gain();
-    let picture = photo.picture.clone().scaled(gain).converted(camera.output_space())?;
+    let (picture, gain) = displayed(&camera, &photo)?;
     let info = DngInfo::of_camera(&camera, &light)?;
     let metrics = metrics(args, &camera, facts, &photo, gain, score, &settings.score)?;
     let text = serde_json::to_string_pretty(&metrics)? + "\n";

@@ -20,7 +20,7 @@ use smalti_io::sweeps::{read_results, read_trials};
 use smalti_io::{TomlSource, cameras, designs, studies, text, write};
 use smalti_report::study::{Report, ReportSettings, Results, camera_toml};
 use smalti_serve::studio::Native;
-use smalti_serve::{LocalServer, studio};
+use smalti_serve::{LocalServer, OpeningFile, studio};
 
 use crate::args::Common;
 use crate::output::note;
@@ -30,6 +30,8 @@ use crate::show::find::{Kind, kind};
 
 /// When the rest of the light is gathered: after the first seconds on the page, which needs the processor then.
 const LATER: Duration = Duration::from_secs(15);
+/// How long a browser has to read the file that leads it to the page.
+const OPENED: Duration = Duration::from_secs(60);
 /// The camera in the folder of `smalti design`.
 const DESIGNED: &str = "camera.toml";
 /// What marks the folders of `smalti sweep` and of `smalti compare`.
@@ -101,7 +103,7 @@ pub(crate) fn run(args: &Studio, common: &Common) -> anyhow::Result<()> {
         crate::output::print_document(&format!("{}\n", json!({"address": address})))?;
     } else {
         crate::print(&format!("{address}\n"))?;
-        if !args.no_open && open::that_detached(&address).is_err() {
+        if !args.no_open && open_page(&address).is_err() {
             note("no browser could be started; open this address in one", common);
         }
         note("Ctrl-C ends the server", common);
@@ -114,6 +116,17 @@ pub(crate) fn run(args: &Studio, common: &Common) -> anyhow::Result<()> {
         });
     }
     Ok(server.run(studio::routes(files, native))?)
+}
+
+/// Opens the page in a browser through a file that leads to it: the command line of a browser, which other accounts can read, must not have the token.
+fn open_page(address: &str) -> anyhow::Result<()> {
+    let file = OpeningFile::new(address)?;
+    open::that_detached(file.path())?;
+    std::thread::spawn(move || {
+        std::thread::sleep(OPENED);
+        drop(file);
+    });
+    Ok(())
 }
 
 /// The files of the light with those from which the page gathers it for other lenses.

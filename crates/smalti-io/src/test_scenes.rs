@@ -87,3 +87,10 @@ fn stored(scene: &StoredScene, illuminant: &Illuminant) -> Result<TestScene, IoE
     }
     TestScene::in_own_light(name, scene.load()?).at(Path::new(name))
 }
+
+/// The name of a scene without its folder, parameters and extension.
+#[must_use]
+pub fn scene_label(scene: &str) -> String {
+    let name = if is_meant(scene) { scene } else { scene.split('?').next().unwrap_or(scene) };
+    Path::new(name).file_stem().map_or_else(|| scene.to_owned(), |s| s.to_string_lossy().into_owned())
+}

@@ -19,6 +19,9 @@ pub enum ServeError {
     /// The system gives no random numbers for a token.
     #[error("the system gives no random numbers for a token")]
     Random,
+    /// The file that leads a browser to the page cannot be made.
+    #[error("the temporary folder for the browser cannot be made: {0}")]
+    Opening(io::Error),
     /// The server failed.
     #[error("the server failed: {0}")]
     Server(io::Error),

@@ -53,9 +53,12 @@ impl Guard {
         if !origin.map_or(is_read, is_own) {
             return Some("requests of other origins are refused");
         }
-        // Browsers state which page sends a request also where they state no origin.
-        let site = text(HeaderName::from_static("sec-fetch-site"));
-        if !site.is_none_or(|site| site == "same-origin" || site == "none") {
+        // Browsers state which page sends a request also where they state no origin. A file of this machine leads a window to the page.
+        let fetch = |name: &'static str| text(HeaderName::from_static(name));
+        let site = fetch("sec-fetch-site");
+        let is_window =
+            fetch("sec-fetch-mode") == Some("navigate") && fetch("sec-fetch-dest") == Some("document");
+        if !(is_read && is_window || site.is_none_or(|site| site == "same-origin" || site == "none")) {
             return Some("requests of other sites are refused");
         }
         let token = path.strip_prefix('/').and_then(|path| path.split('/').next()).unwrap_or_default();
@@ -101,6 +104,9 @@ mod tests {
         assert_eq!(refusal(Method::GET, path, &[host]), None);
         assert_eq!(refusal(Method::POST, path, &[host, origin]), None);
         assert_eq!(refusal(Method::GET, path, &[host, origin, ("upgrade", "websocket")]), None);
+        let (cross, navigates) = (("sec-fetch-site", "cross-site"), ("sec-fetch-mode", "navigate"));
+        let window = ("sec-fetch-dest", "document");
+        assert_eq!(refusal(Method::GET, path, &[host, cross, navigates, window]), None);
         assert_eq!(refusal(Method::POST, path, &[host, origin, ("sec-fetch-site", "same-origin")]), None);
         for (method, headers) in [
             (Method::GET, &[][..]),
@@ -114,6 +120,10 @@ mod tests {
             (Method::GET, &[host, ("origin", "https://127.0.0.1:8080")]),
             (Method::GET, &[host, ("sec-fetch-site", "cross-site")]),
             (Method::GET, &[host, ("sec-fetch-site", "same-site")]),
+            (Method::GET, &[host, cross, navigates, ("sec-fetch-dest", "iframe")]),
+            (Method::GET, &[host, cross, ("sec-fetch-mode", "no-cors"), window]),
+            (Method::POST, &[host, cross, navigates, window]),
+            (Method::POST, &[host, origin, cross, navigates, window]),
         ] {
             assert!(refusal(method.clone(), path, headers).is_some(), "{method} {headers:?}");
         }

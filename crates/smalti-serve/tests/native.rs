@@ -145,6 +145,24 @@ fn one_job_of_a_page_is_at_work_and_cancelling_ends_it_soon() {
     assert!(begun.elapsed() < Duration::from_secs(20), "{:?}", begun.elapsed());
 }
 
+/// A sweep learns, tells how far it is, and is cancelled.
+#[test]
+fn a_sweep_can_be_cancelled() {
+    let mut socket = connect();
+    let sweep = json!({"design": design(), "set": "charts", "luminances_cd_m2": [1, 10]});
+    send(&mut socket, &json!({"start": {"id": 4, "job": {"sweep": sweep}}}));
+    loop {
+        let Message::Text(text) = socket.read().unwrap() else { panic!("expected progress") };
+        let said: Value = serde_json::from_str(text.as_str()).unwrap();
+        // Five kinds of filters at two luminances on each chart, and the training.
+        if said["progress"]["of"].as_u64().unwrap() > 10 {
+            break;
+        }
+    }
+    send(&mut socket, &json!({"cancel": {"id": 4}}));
+    assert_eq!(answer(&mut socket), json!({"cancelled": {"id": 4}}));
+}
+
 #[test]
 fn a_page_that_is_gone_leaves_no_work_behind() {
     let mut socket = connect();
@@ -179,8 +197,12 @@ fn a_search_keeps_what_is_locked_and_finds_something_better() {
         moment / values.iter().sum::<f64>()
     };
     assert!(center("R") > center("G"), "{} and {}", center("R"), center("G"));
-    let [own, found] = ["own_expected", "expected"].map(|key| said[key][0]["cpsnr_db"].as_f64().unwrap());
-    assert!(found > own - 1.0, "{own} and {found}");
+    // A unit of ΔE2000 counts as two decibels.
+    let [own, found] = ["own_expected", "expected"].map(|key| {
+        let figure = |name: &str| said[key][0][name].as_f64().unwrap();
+        figure("cpsnr_db") - 2.0 * figure("delta_e_2000")
+    });
+    assert!(found > own, "{own} and {found}");
     // Free cells: the mosaics of the tile are searched.
     let search =
         json!({"design": design(), "cells": [[0, 0]], "luminances_cd_m2": [20], "family": "dichroic"});
@@ -189,6 +211,20 @@ fn a_search_keeps_what_is_locked_and_finds_something_better() {
     assert!(said["result"]["said"]["mosaics"].as_u64().unwrap() > 1, "{said}");
     let found = said["result"]["said"]["design"]["sensor"]["cfa"]["pattern"][0].as_str().unwrap().to_owned();
     assert!(found.starts_with('R'), "{found}");
+}
+
+#[test]
+fn a_search_keeps_filters_without_cells() {
+    let mut socket = connect();
+    let mut design = design();
+    design["sensor"]["cfa"]["filters"]["C"] = json!({"flat": 0.9});
+    let search = json!({"design": design, "filters": ["C", "G"], "mosaic": true, "luminances_cd_m2": [20], "family": "dichroic"});
+    send(&mut socket, &json!({"start": {"id": 1, "job": {"search": search}}}));
+    let said = answer(&mut socket);
+    let filters = &said["result"]["said"]["design"]["sensor"]["cfa"]["filters"];
+    assert_eq!(filters["C"], json!({"flat": 0.9}), "{said}");
+    assert!(filters["G"]["gaussian"].is_object() && filters["R"]["samples"].is_object(), "{filters}");
+    assert_eq!(filters.as_object().unwrap().len(), 4);
 }
 
 #[test]
@@ -201,6 +237,11 @@ fn designs_and_scenes_that_are_none_have_no_result() {
         search[key] = value;
         json!({"search": search})
     };
+    let mut many = design();
+    let letters: Vec<String> = ('A'..='Z').chain(['a']).map(String::from).collect();
+    many["sensor"]["cfa"]["pattern"] = letters.chunks(9).map(|line| line.concat()).collect();
+    many["sensor"]["cfa"]["filters"] =
+        letters.iter().map(|letter| (letter.clone(), json!({"flat": 0.5}))).collect();
     let capture = |design: &Value, scene: &str| json!({"capture": {"design": design, "scene": scene, "luminance_cd_m2": 5}});
     for (id, (job, expected)) in [
         (capture(&path, "spices"), "file"),
@@ -208,6 +249,15 @@ fn designs_and_scenes_that_are_none_have_no_result() {
         (capture(&design(), "photo-spices"), "there is no scene"),
         (capture(&json!({"sensor": {"rows": "many"}}), "spices"), "rows"),
         (json!({"table": {"design": []}}), "expected"),
+        (
+            json!({"sweep": {"design": design(), "set": "../scenes", "luminances_cd_m2": [1]}}),
+            "there is no set of scenes \"../scenes\"; expected charts, natural, all",
+        ),
+        (
+            json!({"sweep": {"design": design(), "set": "charts", "luminances_cd_m2": [0]}}),
+            "a luminance of 0 cd/m²",
+        ),
+        (search("design", many), "the mosaic has 27 filters; a search takes at most 26"),
         (search("filters", json!(["X"])), "the array has no filter \"X\""),
         (search("cells", json!([[2, 0]])), "the cell 2, 0 is not in the tile of 2 × 2"),
         (search("luminances_cd_m2", json!([])), "0 luminances; expected 1 to 8"),

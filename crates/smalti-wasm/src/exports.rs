@@ -7,7 +7,7 @@ use std::fmt::Display;
 #[derive(Default)]
 struct Module {
     #[cfg(not(feature = "engine"))]
-    studio: crate::Studio,
+    pictures: crate::StudyPictures,
     #[cfg(feature = "engine")]
     engine: crate::Engine,
     input: Vec<u8>,
@@ -20,35 +20,50 @@ thread_local! {
 
 const FAILED: i32 = -1;
 
-/// Runs a function on what is kept; of an error the output is its message.
+/// What every call says after one that trapped: what is kept may be half changed, and stays borrowed.
+const TRAPPED: &str = "an earlier call to this module ended abnormally, as for want of memory; expected a new instance of the module";
+
+/// Runs a function on what is kept; of an error the output is its message. After a call that trapped it refuses.
 fn run<E: Display>(work: impl FnOnce(&mut Module) -> Result<i32, E>) -> i32 {
-    MODULE.with_borrow_mut(|module| {
-        work(module).unwrap_or_else(|error| {
+    MODULE.with(|module| match module.try_borrow_mut() {
+        Ok(mut module) => work(&mut module).unwrap_or_else(|error| {
             module.output = error.to_string().into_bytes();
             FAILED
-        })
+        }),
+        Err(_) => FAILED,
     })
 }
 
-/// Makes room for an input; returns the address for it.
+/// The output, that of a module that trapped being [`TRAPPED`].
+fn with_output<T>(read: impl FnOnce(&[u8]) -> T) -> T {
+    MODULE.with(|module| match module.try_borrow() {
+        Ok(module) => read(&module.output),
+        Err(_) => read(TRAPPED.as_bytes()),
+    })
+}
+
+/// Makes room for an input; returns the address for it. After a call that trapped, the room is not read and not returned to the memory.
 #[unsafe(no_mangle)]
 extern "C" fn reserve(bytes: usize) -> *mut u8 {
-    MODULE.with_borrow_mut(|module| {
-        module.input = vec![0; bytes];
-        module.input.as_mut_ptr()
+    MODULE.with(|module| match module.try_borrow_mut() {
+        Ok(mut module) => {
+            module.input = vec![0; bytes];
+            module.input.as_mut_ptr()
+        }
+        Err(_) => vec![0; bytes].leak().as_mut_ptr(),
     })
 }
 
 /// Where the output lies.
 #[unsafe(no_mangle)]
 extern "C" fn output() -> *const u8 {
-    MODULE.with_borrow(|module| module.output.as_ptr())
+    with_output(<[u8]>::as_ptr)
 }
 
 /// Bytes of the output.
 #[unsafe(no_mangle)]
 extern "C" fn output_bytes() -> usize {
-    MODULE.with_borrow(|module| module.output.len())
+    with_output(<[u8]>::len)
 }
 
 #[cfg(not(feature = "engine"))]
@@ -57,12 +72,14 @@ mod of_studies {
     use smalti::sensor::NoiseMode;
 
     use super::run;
-    use crate::StudioError;
+    use crate::StudyPictureError;
 
     /// Adds the study of the input.
     #[unsafe(no_mangle)]
     extern "C" fn study() -> i32 {
-        run(|module| Ok::<_, StudioError>(module.studio.study(&std::mem::take(&mut module.input))? as i32))
+        run(|module| {
+            Ok::<_, StudyPictureError>(module.pictures.study(&std::mem::take(&mut module.input))? as i32)
+        })
     }
 
     /// Makes a condition of a study ready.
@@ -70,10 +87,10 @@ mod of_studies {
     extern "C" fn setup(study: usize, condition: usize, is_learned: u32, text_bytes: usize) -> i32 {
         run(|module| {
             let input = std::mem::take(&mut module.input);
-            let (light, codes) = input.split_at_checked(text_bytes).ok_or(StudioError::Planes)?;
+            let (light, codes) = input.split_at_checked(text_bytes).ok_or(StudyPictureError::Planes)?;
             let processing = if is_learned == 0 { TrialProcessing::Classic } else { TrialProcessing::L3 };
-            module.studio.setup(study, condition, processing, light, codes)?;
-            Ok::<_, StudioError>(0)
+            module.pictures.setup(study, condition, processing, light, codes)?;
+            Ok::<_, StudyPictureError>(0)
         })
     }
 
@@ -82,8 +99,8 @@ mod of_studies {
     extern "C" fn draw(number: f64, scene: usize, is_noisy: u32) -> i32 {
         run(|module| {
             let noise = if is_noisy == 0 { NoiseMode::None } else { NoiseMode::All };
-            module.output = module.studio.draw(number as u64, scene, noise)?;
-            Ok::<_, StudioError>(0)
+            module.output = module.pictures.draw(number as u64, scene, noise)?;
+            Ok::<_, StudyPictureError>(0)
         })
     }
 }
@@ -108,7 +125,8 @@ mod of_engine {
             let kind = match kind {
                 0 => StudioFile::Training,
                 1 => StudioFile::Scene,
-                _ => StudioFile::Statistics,
+                2 => StudioFile::Statistics,
+                other => return Err(EngineError::NoKind(other)),
             };
             let input = std::mem::take(&mut module.input);
             let (lens, file) = named(&input, name_bytes)?;

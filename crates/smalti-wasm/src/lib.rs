@@ -1,6 +1,6 @@
 //! The simulator in a page, as WebAssembly.
 //!
-//! Two modules are made of this crate. That of studies ([`Studio`]) draws what any design of a study makes of a scene: a page embeds the study and the
+//! Two modules are made of this crate. That of studies ([`StudyPictures`]) draws what any design of a study makes of a scene: a page embeds the study and the
 //! light of its scenes on the pixels ([`PreviewLight`](smalti::design::PreviewLight)); the module
 //! captures and processes it with the code of `smalti sweep`, and learns the pipelines of designs that have their own. That of the studio (the feature
 //! `engine`) draws, scores and improves designs that a page invents. The native library gives the same bytes for the same input.
@@ -19,14 +19,15 @@
 //! | `ask()` | a request as JSON | 0; the output is an [`Answer`](Engine) as bytes |
 //! | `output()`, `output_bytes()` | | where the output lies |
 //!
-//! Below 0 an error happened, and the output is its message in UTF-8. Of studies, one setup is kept at a time, and the processing of the last
+//! Below 0 an error happened, and the output is its message in UTF-8. After a call that trapped, all others fail with a message that says so, and the host
+//! makes a new instance. Of studies, one setup is kept at a time, and the processing of the last
 //! design.
 
 #[cfg(feature = "engine")]
 mod engine;
 mod exports;
-mod studio;
+mod study_pictures;
 
 #[cfg(feature = "engine")]
 pub use engine::{Answer, Engine, EngineError, StudioFile};
-pub use studio::{Studio, StudioError};
+pub use study_pictures::{StudyPictureError, StudyPictures};

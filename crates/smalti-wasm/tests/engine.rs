@@ -6,14 +6,16 @@ use std::sync::OnceLock;
 
 use serde_json::{Value, json};
 use smalti::camera::{Camera, CameraDescription, ColorimetricObserver, TestScene};
+use smalti::color::Image;
 use smalti::design::LearningSettings;
 use smalti::design::light::LightStatistics;
-use smalti::design::live::{LiveLearner, LivePictures, LiveScene, LiveSetup, LiveTraining};
+use smalti::design::live::{LiveLearner, LivePicture, LivePictures, LiveScene, LiveSetup, LiveTraining};
 use smalti::design::screen::ScreenCondition;
 use smalti::experiment::{Resources, analyse_design, light_statistics};
+use smalti::isp::Isp as _;
 use smalti::sensor::NoiseMode;
-use smalti::spectrum::{Illuminant, WavelengthGrid};
-use smalti_io::{cameras, light, studio};
+use smalti::spectrum::{Illuminant, Observer, WavelengthGrid};
+use smalti_io::{cameras, dng, l3, light, studio};
 use smalti_wasm::{Answer, Engine, StudioFile};
 
 struct Files {
@@ -204,8 +206,129 @@ fn improvements_go_on_and_keep_locks() {
     let request =
         json!({"learn": {"design": step["design"], "scene": files().scene.name, "luminance_cd_m2": 5.0}});
     ask(&mut engine, &request);
-    assert!(refused(&mut engine, &begin(json!({"filters": ["W"]}))).contains("'W'"));
+    assert!(refused(&mut engine, &begin(json!({"filters": ["W"]}))).contains("no filter \"W\""));
     assert!(refused(&mut engine, &begin(json!({"cells": [[0, 2]]}))).contains("2 × 2"));
+}
+
+/// A palette may have a filter that no cell has: it stays, whether it is locked or not.
+#[test]
+fn improvements_keep_filters_without_cells() {
+    let mut engine = engine();
+    let mut design = json!(files().camera);
+    let clear = json!({"flat": 0.9});
+    let pigment = |letter: &str| json!({"builtin": format!("pigment/{letter}")});
+    design["sensor"]["cfa"] = json!({
+        "pattern": ["RG", "GB"],
+        "filters": {"R": pigment("R"), "G": pigment("G"), "B": pigment("B"), "C": clear},
+    });
+    for locked in [json!(["G"]), json!(["G", "C"])] {
+        let begin = json!({"improve": {"design": design, "locks": {"filters": locked, "mosaic": true}, "luminances_cd_m2": [2.0]}});
+        ask(&mut engine, &begin);
+        let filters =
+            ask(&mut engine, &json!({"step": {}})).said["design"]["sensor"]["cfa"]["filters"].clone();
+        assert_eq!(filters["C"], clear);
+        assert_eq!(filters["G"], pigment("G"));
+        assert!(filters["R"]["samples"].is_object() && filters["B"]["samples"].is_object(), "{filters}");
+        assert_eq!(filters.as_object().unwrap().len(), 4);
+    }
+}
+
+/// The table and the raw image that the page saves make the picture that it shows, of built-in scenes and of photographs.
+#[test]
+fn the_table_and_the_raw_image_make_the_picture() {
+    let Files { camera, scene, training, .. } = files();
+    let path = Path::new("test");
+    let mut engine = engine();
+    let half = |color: [u8; 4]| color.repeat(24);
+    engine
+        .photograph("mine", [40, 48], &[half([250; 4]), half([180, 90, 60, 255])].concat().repeat(40))
+        .unwrap();
+    let light = ask(&mut engine, &json!({"light": {"design": camera, "of": {"scene": "mine"}}})).bytes;
+    engine.load("", StudioFile::Scene, &light).unwrap();
+    let mut learner = LiveLearner::new(training.clone()).unwrap();
+    let design = learner.learn(camera, 5.0, 3).unwrap();
+    let bare = learner.setup().camera().unwrap();
+    let table = json!({"table": {"design": camera, "luminance_cd_m2": 5.0, "seed": 3}});
+    let table = ask(&mut engine, &table).bytes;
+    let pipeline = l3::table_from_bytes(&table, path).unwrap();
+    assert_eq!(pipeline, learner.table(&design).unwrap());
+    let provenance: Value = serde_json::from_str(pipeline.provenance()).unwrap();
+    assert_eq!(provenance["learned_in"], "the studio, from statistics of light");
+    assert_eq!(
+        (&provenance["learning"]["side"], &provenance["learning"]["size_px"]),
+        (&json!(3), &json!(64))
+    );
+    assert_eq!(provenance["learning"]["statistics"], "light");
+    assert_eq!(provenance["scenes"][0], "training scene 0 of studies, 64 × 64 pixels");
+    assert_eq!((&provenance["camera"], &provenance["luminance_cd_m2"]), (&json!(camera), &json!(5.0)));
+    let white = Illuminant::D65.photons(WavelengthGrid::VISIBLE).unwrap();
+    assert_eq!(pipeline.white(), Some(Observer::Cie1931.white(&white).unwrap()));
+    for scene in [scene.clone(), studio::scene_from_bytes(&light, path).unwrap()] {
+        let request = json!({"design": camera, "scene": scene.name, "luminance_cd_m2": 5.0, "seed": 3});
+        let shown = ask(&mut engine, &json!({"draw": request})).bytes;
+        let raw = ask(&mut engine, &json!({"raw": request})).bytes;
+        let read = dng::from_bytes(&raw, path).unwrap();
+        let mut pictures = LivePictures::new(scene, &Illuminant::D65, &bare).unwrap();
+        assert!(read.raw == pictures.raw(&design, NoiseMode::All, 3).unwrap());
+        assert_eq!(read.info.model, camera.name);
+        let expected = pictures.picture(&design, None, NoiseMode::All, 3).unwrap();
+        let rendered = pipeline.render(&read.raw).unwrap();
+        let bits = |image: &Image| image.planes().data().iter().map(|v| v.to_bits()).collect::<Vec<_>>();
+        assert!(bits(&rendered) == bits(&expected.picture));
+        assert!(pictures.rgba8(&LivePicture { picture: rendered, ..expected }).unwrap() == shown);
+        // Without noise it is another capture.
+        let mut ideal = request.clone();
+        ideal["noise"] = json!(false);
+        assert!(ask(&mut engine, &json!({"raw": ideal})).bytes != raw);
+    }
+    let cropped = json!({"raw": {"design": camera, "scene": "mine", "luminance_cd_m2": 5.0, "crop": null}});
+    assert!(refused(&mut engine, &cropped).contains("crop"));
+}
+
+/// What lies beyond the wavelengths of the page is judged by the curves that are stated there.
+#[test]
+fn infrared_is_judged_where_curves_are_stated() {
+    let mut engine = engine();
+    let mut warnings = |change: &dyn Fn(&mut Value)| {
+        let mut design = json!(files().camera);
+        let pigment = |letter: &str| json!({"builtin": format!("pigment/{letter}")});
+        design["sensor"]["cfa"] = json!({
+            "pattern": ["RG", "GB"],
+            "filters": {"R": pigment("R"), "G": pigment("G"), "B": pigment("B")},
+        });
+        design["sensor"]["quantum_efficiency"] = json!({"builtin": "silicon"});
+        change(&mut design);
+        let said = ask(&mut engine, &json!({"scores": {"design": design, "luminances_cd_m2": []}})).said;
+        let all = said["warnings"].as_array().unwrap().iter();
+        all.filter(|w| w["key"] == "optics.ir_cut")
+            .map(|w| w["message"].as_str().unwrap().to_owned())
+            .collect::<Vec<_>>()
+    };
+    let without = |design: &mut Value| drop(design["optics"].as_object_mut().unwrap().remove("ir_cut"));
+    let table = |values: Vec<f64>| json!({"samples": {"start_nm": 400.0, "step_nm": 10.0, "values": values}});
+    // A table that is dark at 700 nm does not say what it is beyond.
+    let fading: Vec<f64> = (0..31).map(|i| if i < 25 { 0.5 } else { 0.0 }).collect();
+    assert_eq!(warnings(&|design| design["optics"]["ir_cut"] = json!({"builtin": "ir-cut"})), [""; 0]);
+    let seen = warnings(&without);
+    assert!(seen.iter().any(|m| m.starts_with("the channel R responds at ")), "{seen:?}");
+    assert!(!seen.iter().any(|m| m.contains("cannot be judged")), "{seen:?}");
+    let unknown = warnings(&|design| {
+        without(design);
+        design["sensor"]["cfa"]["filters"]["R"] = table(fading.clone());
+    });
+    assert!(
+        unknown
+            .iter()
+            .any(|m| m.starts_with("whether light beyond 700 nm reaches the filters R cannot be judged")),
+        "{unknown:?}"
+    );
+    assert!(!unknown.iter().any(|m| m.starts_with("the channel R responds")), "{unknown:?}");
+    // The infrared cut is stated there.
+    let cut = warnings(&|design| {
+        design["optics"]["ir_cut"] = json!({"builtin": "ir-cut"});
+        design["sensor"]["cfa"]["filters"]["R"] = table(fading.clone());
+    });
+    assert_eq!(cut, [""; 0]);
 }
 
 #[test]

@@ -8,16 +8,16 @@ use serde_json::{Value, json};
 use smalti::camera::{Camera, ScoreSettings, TestScene, TrainingSettings};
 use smalti::design::search::{FilterSpace, SearchSettings};
 use smalti::experiment::{
-    Compared, ComparisonSettings, Entrant, ExposurePolicy, IspKeys, Processing, Proof, Resources,
-    RobustnessRow, RobustnessScenes, camera_differences, compare, contenders, numbered, pipelines, prove,
-    robustness, robustness_cases, scene_lights,
+    ComparisonSettings, Entrant, ExposurePolicy, Processing, Proof, Resources, RobustnessRow,
+    RobustnessScenes, compare, contenders, numbered, pipelines, prove, robustness, robustness_cases,
+    scene_lights,
 };
 use smalti::l3::Training;
 use smalti::spectrum::Illuminant;
 use smalti_io::comparisons::{self, ComparisonFiles};
-use smalti_io::test_scenes::{TestSet, test_scene};
+use smalti_io::test_scenes::{TestSet, scene_label, test_scene};
 use smalti_io::{cameras, memory, text, write};
-use smalti_report::comparison::{CameraArgument, CommandLine, Comparison, Conditions, PAGE, SIDE_BY_SIDE};
+use smalti_report::comparison::{CameraArgument, CommandLine, PAGE, SIDE_BY_SIDE, Stated};
 use smalti_report::design::{Proved, proof_text};
 use smalti_report::page::Markup;
 
@@ -240,31 +240,9 @@ fn pictures(
     let sets =
         pipelines(&cameras, &labels, Vec::new(), &processing, (learning, training), &lights, resources)?;
     let (contenders, left_out) = contenders(&cameras, &labels, &sets, &processing)?;
-    let Compared { outcomes, exposure, verdict } = compare(&contenders, settings, resources)?;
-    let scene_labels: Vec<String> =
-        settings.scenes.iter().map(|s| crate::contest::scene_label(s.name())).collect();
-    let conditions = Conditions {
-        exposure: exposure.applied(),
-        cameras: &cameras,
-        differences: &camera_differences(&cameras, IspKeys::Unused)?,
-        limiting: exposure.limiting(),
-        labels: &labels,
-    };
-    let report = Comparison {
-        command,
-        cameras: &cameras,
-        labels: &labels,
-        contenders: &contenders,
-        left_out: &left_out,
-        outcomes: &outcomes,
-        conditions,
-        gains: &[],
-        scene_labels: &scene_labels,
-        own_light: &settings.scenes.iter().map(TestScene::keeps_light).collect::<Vec<_>>(),
-        illuminant: &settings.illuminant.name(),
-        seed: settings.seed,
-        verdict: &verdict,
-    };
+    let compared = compare(&contenders, settings, resources)?;
+    let stated = Stated::new((&cameras, &labels), &contenders, settings, scene_label)?;
+    let report = stated.report(command, (&cameras, &labels), &left_out, &compared);
     resources.progress.begin("writing");
     let text = serde_json::to_string_pretty(&report.document()?)? + "\n";
     let content = ComparisonFiles {

@@ -8,9 +8,10 @@ use smalti::camera::ScoreSettings;
 use smalti::experiment::{ComparisonSettings, Contender, Progress as _, RatedCondition, rated_scenes};
 use smalti::rating::{Question, Schedule};
 use smalti_io::ratings::{self, ANSWERS, Condition, LightExperiment, Manifest, Planned};
+use smalti_io::test_scenes::scene_label;
 
 use crate::args::Common;
-use crate::contest::{Contest, ContestOptions, scene_label};
+use crate::contest::{Contest, ContestOptions};
 use crate::learning_args::LearningOptions;
 use crate::numbers::{ensure_distinct, number};
 use crate::progress::Progress;

@@ -3,6 +3,7 @@
 use serde_json::{Map, Value, json};
 use smalti::camera::description::PatternDescription;
 use smalti::camera::{Camera, ColorimetricObserver};
+use smalti::experiment::light_notes;
 use smalti::names::in_one_line;
 use smalti::sensor::cfa::info;
 use smalti::sensor::{Binning, Channel, Exposure};
@@ -16,7 +17,6 @@ use super::tile::{self, Tile};
 use super::{cfa, study};
 use crate::args::Common;
 use crate::output::note;
-use crate::resolve;
 
 /// Sections of the description, in the direction of light.
 const SECTIONS: [&str; 4] = ["optics", "sensor", "exposure", "isp"];
@@ -31,7 +31,7 @@ pub(super) fn datasheet(name: &str, overrides: &[Override], common: &Common) -> 
     let loaded = cameras::load_with_notes(name, overrides, None).map_err(anyhow::Error::from)?;
     let own_toml = loaded.stated_toml().map_err(anyhow::Error::from)?;
     let LoadedCamera { camera, stated, mut notes } = loaded;
-    let warnings = resolve::light_notes(&camera, &Illuminant::D65.photons(camera.grid())?)?;
+    let warnings = light_notes(&camera, &Illuminant::D65.photons(camera.grid())?)?;
     notes.extend(warnings.iter().map(|text| format!("{}: {text}", stated.name)));
     notes.iter().for_each(|text| note(text, common));
     let (summary, toml) = if cameras::has_mosaic(name) {

@@ -136,3 +136,50 @@ fn it_opens_with_a_camera_a_study_or_what_was_designed() {
     assert_eq!(run.code, 1);
     assert!(run.err.contains(&format!("port {port} of 127.0.0.1 cannot be opened")), "{}", run.err);
 }
+
+/// Other accounts can read the command line of a browser: it has the path of a private file, which leads to the page, and not the token.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_browser_is_led_to_the_page_by_a_private_file() {
+    use std::fs::{self, Permissions};
+    use std::io::{BufRead as _, BufReader};
+    use std::os::unix::fs::PermissionsExt as _;
+    use std::process::Stdio;
+    use std::time::{Duration, Instant};
+
+    let place = Place::new();
+    fs::create_dir(place.path("bin")).unwrap();
+    place.write(
+        "bin/xdg-open",
+        "#!/bin/sh\nprintf '%s' \"$*\" > \"$CALLED.new\"\nmv \"$CALLED.new\" \"$CALLED\"\n",
+    );
+    fs::set_permissions(place.path("bin/xdg-open"), Permissions::from_mode(0o755)).unwrap();
+    fs::create_dir(place.path("tmp")).unwrap();
+    let path = format!("{}:{}", place.path("bin").display(), std::env::var("PATH").unwrap());
+    let mut child = place
+        .command()
+        .args(["studio", "bayer", "-q"])
+        .env("PATH", path)
+        .env("TMPDIR", place.path("tmp"))
+        .env("CALLED", place.path("called"))
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut address = String::new();
+    BufReader::new(child.stdout.take().unwrap()).read_line(&mut address).unwrap();
+    let begun = Instant::now();
+    while !place.path("called").exists() && begun.elapsed() < Duration::from_secs(30) {
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    let called = fs::read_to_string(place.path("called"));
+    let file = called.as_ref().map(fs::read_to_string);
+    let mode = called.as_ref().map(|path| fs::metadata(path).unwrap().permissions().mode() & 0o777);
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let (called, address) = (called.unwrap(), address.trim());
+    let token = address.trim_end_matches('/').rsplit('/').next().unwrap();
+    assert_eq!(token.len(), 32, "{address}");
+    assert!(called.starts_with(place.path("tmp").to_str().unwrap()) && !called.contains(token), "{called}");
+    assert!(file.unwrap().unwrap().contains(&format!("url={address}\"")));
+    assert_eq!(mode.unwrap(), 0o600);
+}

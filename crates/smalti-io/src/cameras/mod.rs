@@ -2,6 +2,7 @@
 
 mod built_in;
 mod files;
+mod json;
 mod mosaics;
 #[cfg(test)]
 mod tests;
@@ -12,6 +13,7 @@ use smalti::camera::{Camera, CameraDescription, CameraError};
 use smalti::spectrum::WavelengthGrid;
 
 use self::built_in::CAMERAS;
+pub use self::json::from_json;
 use self::mosaics::Mosaic;
 pub use self::mosaics::filter_letter;
 use crate::camera_toml::Override;

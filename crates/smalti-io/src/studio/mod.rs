@@ -38,7 +38,7 @@ pub use file::{scene_from_bytes, scene_to_bytes, training_from_bytes, training_t
 pub use lens::{TrainingFiles, scene_light, sources, statistics_of_light, training_light};
 pub use scenes::{COMPONENTS, catalogue_name};
 
-use crate::{light, rendered};
+use crate::{IoError, light, rendered};
 
 /// How the studio learns: with smaller patches and a smaller training scene than a study, so that a mosaic takes a fraction of a second.
 #[must_use]
@@ -88,7 +88,7 @@ fn gathered(
             }
             let source = rendered::find(about.catalogue).and_then(|stored| stored.photograph());
             let scene = scene_light(&setup, about.id, source)?;
-            let asset = deflated(file_of(about), &scene_to_bytes(&scene, Path::new(about.id))?);
+            let asset = deflated(file_of(about), &scene_to_bytes(&scene, Path::new(about.id))?)?;
             progress.done();
             Ok(asset)
         };
@@ -97,7 +97,7 @@ fn gathered(
     let training = || {
         let bytes = training_to_bytes(&training_light(&setup)?, Path::new("training"))?;
         progress.done();
-        Ok::<_, StudioAssetError>(deflated("training.bin".into(), &bytes))
+        Ok::<_, StudioAssetError>(deflated("training.bin".into(), &bytes)?)
     };
     let (scenes, training) = rayon::join(scenes, training);
     let statistics = match extent {
@@ -106,7 +106,7 @@ fn gathered(
             let stored = rendered::TrainingSet::All.stored();
             let found = statistics_of_light(camera, &illuminant, stored, progress)?;
             let bytes = light::to_bytes(&found, Path::new("statistics"))?;
-            Some(deflated("statistics.bin".into(), &bytes))
+            Some(deflated("statistics.bin".into(), &bytes)?)
         }
     };
     let description = camera.description();
@@ -143,9 +143,9 @@ fn file_of(scene: &StudioScene) -> String {
     format!("{}.bin", scene.id)
 }
 
-fn deflated(name: String, bytes: &[u8]) -> StudioAsset {
+fn deflated(name: String, bytes: &[u8]) -> Result<StudioAsset, IoError> {
     let mut encoder = DeflateEncoder::new(Vec::new(), Compression::best());
-    // Writing into memory does not fail.
-    let bytes = encoder.write_all(bytes).and_then(|()| encoder.finish()).unwrap_or_default();
-    StudioAsset { name, bytes }
+    let bytes = encoder.write_all(bytes).and_then(|()| encoder.finish());
+    let bytes = bytes.map_err(IoError::writing(Path::new(&name)))?;
+    Ok(StudioAsset { name, bytes })
 }

@@ -61,6 +61,7 @@ fn section(section: &Section<'_>) -> Result<Value, ReportError> {
         }
         out.insert("condition".into(), condition.into());
         out.insert("camera".into(), seen_under.camera.name.clone().into());
+        out.insert("description".into(), serde_json::to_value(&seen_under.camera)?);
         out.insert("luminance_cd_m2".into(), seen_under.luminance_cd_m2.into());
         out.insert("illuminant".into(), seen_under.illuminant.name().into());
         out.insert("processing".into(), way.name().into());
@@ -121,6 +122,10 @@ fn trial(section: &Section<'_>, row: usize) -> Result<Value, ReportError> {
     out.insert("center_nm".into(), list(|f| f.center_nm).into());
     out.insert("fwhm_nm".into(), list(|f| f.fwhm_nm).into());
     out.insert("peak".into(), list(|f| f.peak).into());
+    // As a camera file states it, for the camera of the section.
+    let fixed = section.results.setup(section.setup).map(|(condition, _)| condition.camera.clone());
+    let array = trial.design.camera(&fixed.unwrap_or_default()).sensor.cfa;
+    out.insert("cfa".into(), serde_json::to_value(array)?);
     Ok(out.into())
 }
 

@@ -88,6 +88,14 @@ async function loadStatistics(lens) {
   if (lens === "" && manifest.statistics) await load(manifest.statistics, "statistics");
 }
 
+/** Hands to the module what pictures of a scene are made from. @param {{ lens: string, scene: string }} wanted */
+async function loadPictures({ lens, scene }) {
+  // Light that did not come with the page was put here before.
+  if (lens !== "") return;
+  const file = sceneOf(scene)?.file;
+  await Promise.all([load(manifest.training, "training"), file && load(file, "scene")]);
+}
+
 /** @type {Record<string, (content: any) => Promise<any>>} */
 const tasks = {
   start: async (content) => {
@@ -104,11 +112,7 @@ const tasks = {
     return ask("light", { of, design });
   },
   draw: async ({ measure, ...content }) => {
-    // Light that did not come with the page was put here before.
-    if (content.lens === "") {
-      const file = sceneOf(content.scene)?.file;
-      await Promise.all([load(manifest.training, "training"), file && load(file, "scene")]);
-    }
+    await loadPictures(content);
     const times = [performance.now()];
     const timed = (/** @type {string} */ part) => {
       const result = ask(part, content);
@@ -120,7 +124,16 @@ const tasks = {
     const measured = measure ? timed("measure") : null;
     const [learn, draw, score] = times.slice(1).map((time, i) => time - times[i]);
     const all = measured ? joined(bytes, measured.bytes) : bytes;
-    return { said: { ...learned, ...said, scores: measured?.said ?? null, timings_ms: { learn, draw, score: score ?? 0 } }, bytes: all };
+    const warnings = [...said.warnings, ...measured?.said.warnings ?? []];
+    return { said: { ...learned, ...said, warnings, scores: measured?.said ?? null, timings_ms: { learn, draw, score: score ?? 0 } }, bytes: all };
+  },
+  table: async (content) => {
+    if (content.lens === "") await load(manifest.training, "training");
+    return ask("table", content);
+  },
+  raw: async (content) => {
+    await loadPictures(content);
+    return ask("raw", content);
   },
   photograph: async ({ id, width, height, rgba }) => {
     const name = new TextEncoder().encode(id);

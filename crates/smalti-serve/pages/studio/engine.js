@@ -290,6 +290,22 @@ export class Engine {
     return step;
   }
 
+  /** The pipeline of a picture as a table (`.l3`), as it was learned for the picture. @param {{ design: Design, luminance: number, seed?: number }} wanted @returns {Promise<Blob>} */
+  table({ design, luminance, seed = SEED }) {
+    return again(async () => {
+      const lens = await this.#supply(this.#pictures, design, ["training"]);
+      return new Blob([(await this.#pictures.ask("table", { design, lens, luminance_cd_m2: luminance, seed })).bytes]);
+    });
+  }
+
+  /** The raw image of a picture as DNG. @param {{ design: Design, scene: string, luminance: number, seed?: number }} wanted @returns {Promise<Blob>} */
+  raw({ design, scene, luminance, seed = SEED }) {
+    return again(async () => {
+      const lens = await this.#supply(this.#pictures, design, ["training", { scene }]);
+      return new Blob([(await this.#pictures.ask("raw", { design, lens, scene, luminance_cd_m2: luminance, seed })).bytes]);
+    });
+  }
+
   /** The camera file of a design, for all other commands. @param {Design} design @returns {Promise<string>} */
   async cameraToml(design) {
     return (await again(() => this.#figures.ask("camera_toml", { design }))).said.toml;

@@ -1,5 +1,6 @@
 // @ts-check
 // Files that are opened and saved.
+import { designIn } from "./designs.js";
 
 /** Saves a file as the browser saves downloads. @param {string} name @param {Blob} content */
 export function save(name, content) {
@@ -31,9 +32,13 @@ export function curvesCsv(curves) {
 /** The largest results that are read, bytes. */
 const MOST_RESULTS = 64_000_000;
 
-/** The cameras in `results.json` of `smalti compare`. @param {File} file @returns {Promise<import("./engine.js").Design[]>} */
-export async function camerasOfResults(file) {
-  if (file.size > MOST_RESULTS) throw new Error("it is larger than the results of a comparison");
+/**
+ * The cameras in `results.json` of `smalti compare`; or the design in that of `smalti design` or in `report.json` of `smalti report`, with what is to be said of it.
+ * @param {File} file @param {import("./engine.js").Design} shown The camera of the page.
+ * @returns {Promise<{ cameras: import("./engine.js").Design[], note?: string }>}
+ */
+export async function camerasOfResults(file, shown) {
+  if (file.size > MOST_RESULTS) throw new Error("it is larger than any results that the page opens");
   /** @type {any} */
   let results;
   try {
@@ -41,9 +46,11 @@ export async function camerasOfResults(file) {
   } catch {
     throw new Error("it is no JSON");
   }
+  const found = designIn(results, shown);
+  if (found) return { cameras: [found.design], note: found.note };
   const cameras = results?.cameras;
-  if (!Array.isArray(cameras) || cameras.length === 0) throw new Error("it holds no camera. Open results.json of `smalti compare`, or camera.toml of `smalti design`");
-  return cameras;
+  if (!Array.isArray(cameras) || cameras.length === 0) throw new Error("it holds no camera. Open results.json of `smalti compare` or `smalti design`, or report.json of `smalti report`");
+  return { cameras };
 }
 
 /** The step of a curve from a file, nm. */

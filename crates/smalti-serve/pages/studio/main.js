@@ -10,11 +10,13 @@ import { familyOf, setUpImprove } from "./improve.js";
 import { setUpMosaic } from "./mosaic.js";
 import { offered, setUpNative } from "./native.js";
 import { isPhotograph, readPhotograph } from "./photographs.js";
+import { setUpOwnFiles } from "./own-files.js";
 import { setUpPicture } from "./picture.js";
 import { setUpScores } from "./scores.js";
 import { lensText, setUpSensor, simulated } from "./sensor.js";
 import { PHOTOGRAPH, fragmentOf, sharedIn } from "./share.js";
 import { Store } from "./store.js";
+import { setUpSweep } from "./sweep.js";
 import { setUpTheme } from "./theme.js";
 import { setUpWork } from "./work.js";
 
@@ -303,8 +305,9 @@ async function start() {
   /** Opens the cameras of a comparison: the first one, with the second one pinned. @param {File} file */
   async function openResults(file) {
     try {
-      const [own, other] = await camerasOfResults(file);
+      const { cameras: [own, other], note } = await camerasOfResults(file, store.camera);
       adopt(await engine.parse(await engine.cameraToml(own)), `opening ${file.name}`);
+      if (note) tell(note);
       if (other) store.pin(inFull(engine, await engine.parse(await engine.cameraToml(other))));
     } catch (error) {
       tell(`${file.name}: ${message(error)}.`, "trouble");
@@ -337,6 +340,8 @@ async function start() {
     camera: store.camera, pinned: isPinned() ? undefined : store.pinned, scene: scene.value, luminance: luminance(),
     isOwn: isOwnScene(),
   }));
+  setUpOwnFiles(native, engine, () => ({ camera: inEngine(store.camera), scene: scene.value, luminance: luminance(), name: store.camera.name }));
+  setUpSweep(native, () => ({ camera: store.camera, luminance: luminance() }));
   setUpImprove(store, engine, { luminance, simulated: inEngine, own: (design) => inFull(engine, design), fail: (error) => tell(`${message(error)}.`, "trouble"), native });
   const limits = byId("limits", HTMLElement);
   let dismissed = "";

@@ -140,7 +140,7 @@ impl Experiment {
     /// # Errors
     /// When the file cannot be written.
     pub fn keep_address(&self, address: &Address) -> Result<(), ServeError> {
-        let text = serde_json::to_vec(address).unwrap_or_default();
+        let text = serde_json::to_vec(address).map_err(|error| ServeError::Server(error.into()))?;
         Ok(write::secret(&self.dir.join(ANSWERS).join(ADDRESS), &text)?)
     }
 

@@ -51,9 +51,10 @@ macro_rules! embedded {
     };
 }
 
-static EMBEDDED: [(&str, &[u8]); 25] = embedded![
+static EMBEDDED: [(&str, &[u8]); 28] = embedded![
     "bench.js",
     "design.js",
+    "designs.js",
     "dom.js",
     "engine-worker.js",
     "engine.js",
@@ -66,6 +67,7 @@ static EMBEDDED: [(&str, &[u8]); 25] = embedded![
     "main.js",
     "mosaic.js",
     "native.js",
+    "own-files.js",
     "parts.css",
     "photographs.js",
     "picture.js",
@@ -75,6 +77,7 @@ static EMBEDDED: [(&str, &[u8]); 25] = embedded![
     "share.js",
     "store.js",
     "studio.css",
+    "sweep.js",
     "theme.js",
     "work.js",
 ];

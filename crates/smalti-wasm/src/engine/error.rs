@@ -4,6 +4,7 @@ use std::fmt;
 
 use smalti::camera::CameraError;
 use smalti::design::DesignError;
+use smalti::design::live::LiveLockError;
 use smalti_io::studio::StudioAssetError;
 use smalti_io::{Diagnostic, IoError};
 
@@ -20,12 +21,14 @@ pub enum EngineError {
         /// The most that are read.
         limit: usize,
     },
+    /// A kind of file that the studio does not have.
+    NoKind(u32),
     /// A part of the assets was not loaded, or a request comes before the one that it follows.
     Missing(&'static str),
     /// There is no such scene.
     NoScene(String),
-    /// The filter is kept, but the array has none of this letter; or a cell is kept outside the tile.
-    NoLock(String),
+    /// A filter or a cell is kept that the array does not have.
+    NoLock(LiveLockError),
     /// A photograph has a wrong size, or cannot become a scene.
     Photograph(String),
     /// A camera file or the JSON of a design is wrong.
@@ -46,6 +49,9 @@ impl fmt::Display for EngineError {
             Self::Request(error) => write!(f, "the request cannot be read: {error}"),
             Self::TooLong { bytes, limit } => {
                 write!(f, "the request has {bytes} bytes; expected at most {limit}")
+            }
+            Self::NoKind(kind) => {
+                write!(f, "kind: {kind}; expected 0 (training), 1 (scene) or 2 (statistics)")
             }
             Self::Missing(what) => write!(f, "{what} is missing; expected before this request"),
             Self::NoScene(name) => write!(f, "scene: there is no scene '{name}'"),
@@ -72,7 +78,14 @@ macro_rules! from {
     };
 }
 
-from!(serde_json::Error => Request, Box<Diagnostic> => Text, CameraError => Camera, DesignError => Design, IoError => File);
+from!(
+    serde_json::Error => Request,
+    Box<Diagnostic> => Text,
+    CameraError => Camera,
+    DesignError => Design,
+    IoError => File,
+    LiveLockError => NoLock
+);
 
 impl From<StudioAssetError> for EngineError {
     fn from(error: StudioAssetError) -> Self {

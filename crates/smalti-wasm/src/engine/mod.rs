@@ -4,6 +4,7 @@ mod error;
 mod figures;
 mod file;
 mod improving;
+mod infrared;
 mod lens;
 mod photograph;
 mod request;
@@ -11,13 +12,15 @@ mod text;
 mod warnings;
 
 use std::collections::BTreeMap;
+use std::path::Path;
 
 use serde::Serialize;
 use serde_json::{Value, json};
-use smalti::camera::{Camera, CameraDescription, ColorimetricObserver};
+use smalti::camera::{Camera, ColorimetricObserver};
 use smalti::design::live::{LiveDesign, LivePicture};
-use smalti::sensor::NoiseMode;
 use smalti::spectrum::Illuminant;
+use smalti_io::dng::{self, DngInfo};
+use smalti_io::{cameras, l3};
 
 pub use error::EngineError;
 pub use file::StudioFile;
@@ -33,7 +36,7 @@ const MAX_REQUEST: usize = 4 << 20;
 pub struct Answer {
     /// The JSON.
     pub said: Value,
-    /// Pictures, four bytes a pixel each, and maps, a number of 32 bits a pixel, little-endian.
+    /// Pictures, four bytes a pixel each, and maps, a number of 32 bits a pixel, little-endian; or a file.
     pub bytes: Vec<u8>,
 }
 
@@ -112,6 +115,8 @@ impl Engine {
             Request::Catalogue {} => Answer::of(&text::catalogue()?),
             Request::Learn(request) => self.learn(&request),
             Request::Draw(request) => self.draw(&request),
+            Request::Table(request) => self.table(&request.into()),
+            Request::Raw(request) => self.raw(&request.into()),
             Request::Measure(request) => self.measure(&request),
             Request::Scores(request) => {
                 let camera = camera(request.design)?;
@@ -134,7 +139,7 @@ impl Engine {
             Request::Curves { design } => Answer::of(&figures::curves(&camera(design)?, &Illuminant::D65)?),
             Request::Improve(request) => {
                 let statistics = self.lens(&request.lens)?.statistics()?;
-                let design = text::description(request.design.clone())?;
+                let design = cameras::from_json(request.design.clone())?;
                 let improving = Improving::new(design, statistics, &request)?;
                 let step = improving.said()?;
                 self.improving = Some(improving);
@@ -146,7 +151,7 @@ impl Engine {
                 Answer::of(&improving.said()?)
             }
             Request::Light(request) => {
-                let bytes = self.sources.light(text::description(request.design)?, &request.of)?;
+                let bytes = self.sources.light(cameras::from_json(request.design)?, &request.of)?;
                 Ok(Answer { said: json!({}), bytes })
             }
             Request::Forget { lens } => {
@@ -180,7 +185,7 @@ impl Engine {
     fn learn(&mut self, request: &DrawRequest) -> Result<Answer, EngineError> {
         let key = request.design_key();
         if self.learned.as_ref().is_none_or(|known| known.key != key) {
-            let description = text::description(request.design.clone())?;
+            let description = cameras::from_json(request.design.clone())?;
             let learner = self.lens_mut(&request.lens)?.learner()?;
             let design = learner.learn(&description, request.luminance_cd_m2, request.seed)?;
             self.learned = Some(Learned { key, design });
@@ -195,7 +200,7 @@ impl Engine {
         let lens =
             self.lenses.get_mut(&request.lens).ok_or(EngineError::Missing("the light of this lens"))?;
         let scene = lens.pictures(&request.scene)?;
-        let noise = if request.noise { NoiseMode::All } else { NoiseMode::None };
+        let noise = request.noise_mode();
         let key = request.picture_key();
         let picture = match self.drawn.take().filter(|known| known.key == key) {
             Some(known) => known.picture,
@@ -219,6 +224,31 @@ impl Engine {
         Ok(Answer { said, bytes })
     }
 
+    /// The pipeline of a design as a file.
+    fn table(&mut self, request: &DrawRequest) -> Result<Answer, EngineError> {
+        self.learn(request)?;
+        let learned = self.learned.as_ref().ok_or(EngineError::Missing("a pipeline"))?;
+        let lens =
+            self.lenses.get_mut(&request.lens).ok_or(EngineError::Missing("the light of this lens"))?;
+        let pipeline = lens.learner()?.table(&learned.design)?;
+        let bytes = l3::table_to_bytes(&pipeline, Path::new("table"))?;
+        Ok(Answer { said: json!({"classes": pipeline.classes().len()}), bytes })
+    }
+
+    /// The raw image of the picture of the whole scene as a file.
+    fn raw(&mut self, request: &DrawRequest) -> Result<Answer, EngineError> {
+        self.learn(request)?;
+        let learned = self.learned.as_ref().ok_or(EngineError::Missing("a pipeline"))?;
+        let lens =
+            self.lenses.get_mut(&request.lens).ok_or(EngineError::Missing("the light of this lens"))?;
+        let raw = lens.pictures(&request.scene)?.raw(&learned.design, request.noise_mode(), request.seed)?;
+        let camera = learned.design.camera();
+        let light = lens.learner()?.setup().illuminant.photons(camera.grid());
+        let info = DngInfo::of_camera(camera, &light.map_err(smalti::camera::CameraError::from)?)?;
+        let bytes = dng::to_bytes(&raw, &info, Path::new("raw"))?;
+        Ok(Answer { said: json!({"rows": raw.rows(), "cols": raw.cols()}), bytes })
+    }
+
     /// The scores of a picture and of the targets, and CIEDE2000 at every pixel.
     fn measure(&mut self, request: &DrawRequest) -> Result<Answer, EngineError> {
         if self.drawn.as_ref().is_none_or(|known| known.key != request.picture_key()) {
@@ -233,6 +263,7 @@ impl Engine {
         let targets = lens.learner()?.targets(&learned.design, request.seed)?;
         let bytes = scores.delta_e_2000_map.data().iter().flat_map(|v| v.to_le_bytes()).collect();
         let mut said = serde_json::to_value(&scores)?;
+        said["warnings"] = serde_json::to_value(warnings::of_targets(&targets))?;
         said["targets"] = serde_json::to_value(targets)?;
         Ok(Answer { said, bytes })
     }
@@ -240,7 +271,7 @@ impl Engine {
 
 /// The camera of a design.
 fn camera(design: Value) -> Result<Camera, EngineError> {
-    let description: CameraDescription = text::description(design)?;
+    let description = cameras::from_json(design)?;
     let grid = description.grid()?;
     Ok(Camera::new(description, grid)?)
 }

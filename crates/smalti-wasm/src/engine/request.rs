@@ -2,9 +2,9 @@
 
 use serde::Deserialize;
 use serde_json::Value;
-use smalti::design::live::LiveCrop;
-use smalti::design::live::LiveFamily;
+use smalti::design::live::{LiveCrop, LiveFamily, LiveLocks};
 use smalti::design::search::{FilterSpace, FreeCurves};
+use smalti::sensor::NoiseMode;
 
 /// Knots of free curves: one in 20 nm.
 const KNOTS: usize = 16;
@@ -19,6 +19,10 @@ pub(super) enum Request {
     Learn(DrawRequest),
     /// A picture.
     Draw(DrawRequest),
+    /// The learned table of a design, a file in the format `.l3`.
+    Table(TableRequest),
+    /// The raw image of a picture of the whole scene, a file in the format DNG.
+    Raw(RawRequest),
     /// Scores of a picture.
     Measure(DrawRequest),
     /// Figures without a picture.
@@ -74,6 +78,10 @@ fn yes() -> bool {
 }
 
 impl DrawRequest {
+    pub(super) fn noise_mode(&self) -> NoiseMode {
+        if self.noise { NoiseMode::All } else { NoiseMode::None }
+    }
+
     /// What a pipeline depends on.
     pub(super) fn design_key(&self) -> String {
         format!("{} {} {} {}", self.lens, self.luminance_cd_m2.to_bits(), self.seed, self.design)
@@ -82,6 +90,43 @@ impl DrawRequest {
     /// What a picture depends on.
     pub(super) fn picture_key(&self) -> String {
         format!("{} {:?} {} {}", self.scene, self.crop, self.noise, self.design_key())
+    }
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct TableRequest {
+    design: Value,
+    #[serde(default)]
+    lens: String,
+    luminance_cd_m2: f64,
+    #[serde(default)]
+    seed: u64,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawRequest {
+    design: Value,
+    #[serde(default)]
+    lens: String,
+    scene: String,
+    luminance_cd_m2: f64,
+    #[serde(default = "yes")]
+    noise: bool,
+    #[serde(default)]
+    seed: u64,
+}
+
+impl From<TableRequest> for DrawRequest {
+    fn from(TableRequest { design, lens, luminance_cd_m2, seed }: TableRequest) -> Self {
+        Self::from(RawRequest { design, lens, scene: String::new(), luminance_cd_m2, noise: true, seed })
+    }
+}
+
+impl From<RawRequest> for DrawRequest {
+    fn from(RawRequest { design, lens, scene, luminance_cd_m2, noise, seed }: RawRequest) -> Self {
+        Self { design, lens, scene, luminance_cd_m2, crop: None, noise, seed, reference: false }
     }
 }
 
@@ -104,18 +149,6 @@ pub(super) fn space(family: LiveFamily) -> FilterSpace {
     family.space(FreeCurves { knots: KNOTS, ..FreeCurves::default() })
 }
 
-/// What stays as it is.
-#[derive(Debug, Clone, Default, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub(super) struct LocksRequest {
-    /// Letters of filters.
-    pub(super) filters: Vec<String>,
-    /// Row and column of cells.
-    pub(super) cells: Vec<[usize; 2]>,
-    /// Whether all cells are kept.
-    pub(super) mosaic: bool,
-}
-
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct ImproveRequest {
@@ -123,7 +156,7 @@ pub(super) struct ImproveRequest {
     #[serde(default)]
     pub(super) lens: String,
     #[serde(default)]
-    pub(super) locks: LocksRequest,
+    pub(super) locks: LiveLocks,
     pub(super) luminances_cd_m2: Vec<f64>,
     #[serde(default)]
     pub(super) family: LiveFamily,

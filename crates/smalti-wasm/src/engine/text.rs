@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use serde::Deserialize;
 use serde_json::{Value, json};
 use smalti::camera::{CameraDescription, KEY_RANGES};
 use smalti::metrics::{Relevance, smallest_relevant};
@@ -31,38 +30,9 @@ const SCORED: [&str; 12] = [
     "condition_number",
 ];
 
-/// A camera description as JSON. Errors name the key as those of camera files do.
-pub(super) fn description(design: Value) -> Result<CameraDescription, EngineError> {
-    match CameraDescription::deserialize(&design) {
-        Ok(description) => Ok(description),
-        // The reader of camera files knows where in the description the error is.
-        Err(error) => {
-            let text = toml_of(without_nulls(design)).map_err(|()| error)?;
-            let source = TomlSource { name: "design".into(), folder: PathBuf::new(), text };
-            Ok(source.describe(&[])?)
-        }
-    }
-}
-
-fn toml_of(design: Value) -> Result<String, ()> {
-    designs::toml_text(&design).map_err(|_| ())
-}
-
-/// TOML has no null.
-fn without_nulls(value: Value) -> Value {
-    match value {
-        Value::Object(map) => {
-            let kept = map.into_iter().filter(|(_, v)| !v.is_null());
-            Value::Object(kept.map(|(k, v)| (k, without_nulls(v))).collect())
-        }
-        Value::Array(all) => Value::Array(all.into_iter().map(without_nulls).collect()),
-        other => other,
-    }
-}
-
 /// The camera file of a design.
 pub(super) fn toml(design: Value) -> Result<String, EngineError> {
-    Ok(designs::own_camera_toml(&description(design)?)?)
+    Ok(designs::own_camera_toml(&cameras::from_json(design)?)?)
 }
 
 /// The description in a camera file, as it states it.

@@ -4,15 +4,14 @@ use std::collections::VecDeque;
 
 use serde::Serialize;
 use smalti::camera::{Camera, CameraError};
-use smalti::design::live::LiveFamily;
+use smalti::design::live::{LiveFamily, LiveTargetScores};
 use smalti::isp::WhiteBalance;
 use smalti::spectrum::{Illuminant, Spectrum};
 
 use super::EngineError;
+use super::infrared::{Beyond, Infrared};
 use super::request::space;
 
-/// The share of its largest value from which a channel counts as sensitive at the end of the wavelengths.
-const SENSITIVE: f64 = 0.1;
 /// Share of the response to white of the brightest channel below which a channel is dark.
 const DARK: f64 = 0.02;
 /// Noise of Y after the colour matrix, relative to that of the channels, from which on colours cost much noise.
@@ -36,25 +35,38 @@ pub(super) fn of_camera(camera: &Camera) -> Result<Vec<Warning>, CameraError> {
     let grid = camera.grid();
     let lens = camera.optics.transmittance_on(grid)?;
     let light = Illuminant::D65.photons(grid)?;
-    let mut found = Vec::new();
+    let (mut found, mut unknown) = (Vec::new(), Vec::new());
     let mut whites = Vec::new();
+    let beyond = Beyond::new(camera)?;
     let channels = camera.sensor.cfa.channels();
     for (channel, response) in channels.iter().zip(camera.sensor.spectral_responsivity_on(grid)?) {
         let behind = response.times(&lens)?;
-        let last = behind.values().last().copied().unwrap_or(0.0);
-        if last > SENSITIVE * behind.max() {
-            let nm = grid.end_nm();
-            found.push(Warning {
+        match beyond.response(&channel.name, &behind) {
+            Infrared::Blocked => {}
+            Infrared::Seen { nm, percent } => found.push(Warning {
                 key: "optics.ir_cut".into(),
                 message: format!(
-                    "the channel {} still responds at {nm} nm with {:.0} % of its maximum; light beyond, which is not simulated, would reach it",
+                    "the channel {} responds at {nm} nm with {percent:.0} % of its maximum; light beyond {} nm, which is not simulated, would reach it",
                     channel.name,
-                    100.0 * last / behind.max()
+                    grid.end_nm()
                 ),
                 filter: Some(channel.name.clone()),
-            });
+            }),
+            Infrared::Unknown => unknown.push(channel.name.as_str()),
         }
         whites.push(behind.times(&light)?.integral());
+    }
+    if !unknown.is_empty() {
+        found.push(Warning {
+            key: "optics.ir_cut".into(),
+            message: format!(
+                "whether light beyond {} nm reaches the filters {} cannot be judged: some of their curves are not stated there, and nothing else blocks \
+                 it. Use an infrared-cut filter",
+                grid.end_nm(),
+                unknown.join(", ")
+            ),
+            filter: None,
+        });
     }
     let brightest = whites.iter().copied().fold(0.0, f64::max);
     for (channel, white) in channels.iter().zip(&whites) {
@@ -142,6 +154,16 @@ impl Makeable {
         }
         Ok(found)
     }
+}
+
+/// Warnings about figures that cannot be measured.
+pub(super) fn of_targets(targets: &LiveTargetScores) -> Vec<Warning> {
+    let warning = |reason: &String| Warning {
+        key: "optics".into(),
+        message: format!("MTF50 cannot be measured: {reason}"),
+        filter: None,
+    };
+    targets.no_mtf50.iter().map(warning).collect()
 }
 
 /// Warnings about a capture.

@@ -212,7 +212,7 @@ pub fn score_entrants(
 }
 
 /// The figures of a contender at every luminance.
-fn figures(
+pub(super) fn figures(
     contender: &Contender<'_>,
     setups: &[crate::camera::Setup],
     settings: &ComparisonSettings,

@@ -19,12 +19,14 @@ mod exposure;
 mod labels;
 mod learning;
 mod light_gain;
+mod light_notes;
 mod light_statistics;
 mod lights;
 mod material;
 mod outcome;
 mod pairs;
 mod picture_figures;
+mod prepared;
 mod processing;
 mod progress;
 mod proof;
@@ -33,6 +35,7 @@ mod robustness;
 mod simulation;
 mod store;
 mod sweep;
+mod tolerance;
 mod training_statistics;
 mod verdict;
 
@@ -52,12 +55,14 @@ pub use learning::{
     Gathered, Learned, TrainingPair, TrainingRecord, TrainingSources, gather, learn, refine, solve,
 };
 pub use light_gain::{PairwiseLightGain, light_gain_between, light_gains_to_first};
+pub use light_notes::{light_notes, without_infrared};
 pub use light_statistics::{light_gatherer, light_statistics};
 pub use lights::{LitPipeline, PipelineSet, SceneLight, ensure_lights_suffice, scene_lights};
 pub use material::NamedScene;
 pub use outcome::Outcome;
 pub use pairs::{PairAlignment, RawAndPicture};
 pub use picture_figures::{LightFigures, PictureFigures};
+pub use prepared::{FieldOfView, PreparedCapture, displayed};
 pub use processing::Processing;
 pub use progress::{Progress, Silent};
 pub use proof::{Proof, ProofResult, ProvedLead, Rival, Scored, prove};
@@ -66,6 +71,7 @@ pub use robustness::{RobustnessCase, RobustnessRow, RobustnessScenes, robustness
 pub use simulation::{ScoredWindow, Simulation, SimulationSettings, capture, score_capture, simulate};
 pub use store::{NoStore, Resources, Store};
 pub use sweep::sweep;
+pub use tolerance::{ToleranceRow, tolerances};
 pub use verdict::{
     Crossover, Estimate, Finding, Lead, LightStops, LightVerdict, MetricVerdict, MoreLight, StopsInterval,
     Verdict,

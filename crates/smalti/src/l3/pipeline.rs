@@ -200,6 +200,13 @@ impl Pipeline {
         Self { white, ..self }
     }
 
+    /// The pipeline with another description of its training, JSON.
+    #[must_use]
+    pub fn with_provenance(mut self, provenance: String) -> Self {
+        self.parts.provenance = provenance;
+        self
+    }
+
     /// The pipeline with a second stage, or without one.
     ///
     /// # Errors

@@ -94,7 +94,7 @@ pub enum MetricError {
         minimum: f64,
     },
     /// The angle of the edge is too small or too large for subpixel sampling.
-    #[error("the angle of the edge to the pixel grid is {angle_deg:.2}°; expected {expected}")]
+    #[error("the angle of the edge to the pixel grid is {:.2}°; expected {expected}", angle_deg.abs())]
     EdgeAngle {
         /// Its angle to the nearer axis of the grid.
         angle_deg: f64,
@@ -103,8 +103,8 @@ pub enum MetricError {
     },
     /// The angle of the edge makes its samples coincide at a few phases.
     #[error(
-        "the samples across the edge (at {angle_deg:.2}°) leave gaps of {gap_px:.2} px, at most {maximum_px:.2} are \
-         allowed: choose another angle or a longer edge"
+        "the samples across the edge (at {:.2}°) leave gaps of {gap_px:.2} px, at most {maximum_px:.2} are \
+         allowed: choose another angle or a longer edge", angle_deg.abs()
     )]
     EdgeSampling {
         /// Largest gap between neighbouring samples of the edge profile, pixels.
@@ -134,6 +134,17 @@ pub enum MetricError {
     /// S-CIELAB cannot be computed.
     #[error(transparent)]
     Scielab(#[from] ScielabError),
+}
+
+impl MetricError {
+    /// Whether a picture shows no edge that can be measured: none at all, one of too little contrast, or one at an unsuitable angle.
+    #[must_use]
+    pub fn is_about_edge(&self) -> bool {
+        matches!(
+            self,
+            Self::NoEdge(_) | Self::LowContrast { .. } | Self::EdgeAngle { .. } | Self::EdgeSampling { .. }
+        )
+    }
 }
 
 /// Checks that there are as many items as a measurement needs.

@@ -130,6 +130,7 @@ fn resolution_and_noise_are_those_of_an_evaluation() {
     let isp = |_: &_| Ok(Box::new(design.pipeline().renderer()) as Box<dyn smalti::isp::Isp>);
     let (expected, _) = evaluate_with(&camera, &settings, &|_, make| make(), &isp).unwrap();
     // Six components describe the light to a few thousandths of the brightest pixel.
+    assert_eq!(found.no_mtf50, None);
     for (found, expected) in [
         (found.mtf50_cy_per_mm, expected.mtf50_cy_per_mm),
         (found.mtf50_cy_per_px, expected.mtf50_cy_per_px),
@@ -235,4 +236,19 @@ fn an_improvement_lowers_the_cost_and_keeps_what_is_locked() {
     let mut locked = begin(Locks { filters: vec![true; 3], cells: vec![true; 4] });
     locked.step();
     assert!(locked.is_done() && (locked.cost() - locked.own_cost()).abs() < 1e-9);
+}
+
+/// Behind a lens that shows no edge, resolution alone is missing, and the reason is told.
+#[test]
+fn without_an_edge_the_other_figures_remain() {
+    let mut blurred = camera();
+    blurred.optics.f_number = 1000.0;
+    blurred.sensor.pixel.pitch_um = 0.01;
+    let (_, training) = light(&blurred);
+    let mut learner = LiveLearner::new(training).unwrap();
+    let design = learner.learn(&blurred, 1e5, 1).unwrap();
+    let found = learner.targets(&design, 1).unwrap();
+    assert_eq!((found.mtf50_cy_per_px, found.mtf50_low_contrast_cy_per_mm), (None, None));
+    let reason = found.no_mtf50.unwrap();
+    assert!(reason.contains("edge") && !reason.contains('-'), "{reason}");
 }

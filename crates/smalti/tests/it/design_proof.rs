@@ -6,8 +6,8 @@ use smalti::design::Deviation;
 use smalti::design::light::{LightClasses, LightSettings, LightStatistics};
 use smalti::design::screen::{Screen, ScreenCondition, ScreenTime};
 use smalti::experiment::{
-    ComparisonSettings, Entrant, ExposurePolicy, Finding, ProofResult, Resources, analyse_design,
-    light_statistics, prove,
+    ComparisonSettings, Entrant, ExperimentError, ExposurePolicy, Finding, Progress, ProofResult, Resources,
+    analyse_design, light_statistics, prove, score_entrants, tolerances,
 };
 use smalti::l3::Training;
 use smalti::scene::{Scene, Setting, catalog};
@@ -161,4 +161,61 @@ fn a_proof_tells_an_equal_camera_from_a_worse_one() {
         prove(&tuned, &rivals[..1], &settings, (&learning, &Training::default()), Resources::default())
             .unwrap();
     assert_eq!(again.found.means, proof.found.means);
+}
+
+/// A sweep over deviations has the scores that a proof has for each of them, and is stopped like any other work.
+#[test]
+fn tolerances_are_those_of_cameras_that_deviate() {
+    let camera = camera();
+    let scene = |seed: u32| {
+        TestScene::built_in(&format!("dead-leaves?rows=96&cols=96&least=2&largest=40&seed={seed}"))
+    };
+    let settings = ComparisonSettings {
+        luminances_cd_m2: vec![5.0, 50.0],
+        illuminant: Illuminant::D65,
+        scenes: (2001..2006).map(scene).collect(),
+        seed: 1,
+        seed_count: 1,
+        score: ScoreSettings::default(),
+        exposure: ExposurePolicy::Own,
+    };
+    let learning = TrainingSettings { side: 3, exposures: vec![1.0, 0.25], ..TrainingSettings::default() };
+    let learning = (&learning, &Training::default());
+    let rows = tolerances((&camera, "swept"), 0.95, &settings, learning, Resources::default()).unwrap();
+    assert_eq!(rows.len(), 5 * 2);
+    let entrants: Vec<Entrant> = rows
+        .iter()
+        .step_by(2)
+        .map(|row| Entrant {
+            label: row.name.clone(),
+            camera: row.deviation.of_camera(&camera, 0.95).unwrap(),
+            learned_for: Some(camera.clone()),
+        })
+        .collect();
+    let scored = score_entrants(&entrants, &settings, learning, Resources::default()).unwrap();
+    for (number, row) in rows.iter().enumerate() {
+        let light = &scored[number / 2].lights[number % 2];
+        assert_eq!(row.luminance_cd_m2, settings.luminances_cd_m2[number % 2]);
+        for (metric, values) in light.metrics.iter().enumerate() {
+            let mean = values.iter().sum::<f64>() / values.len() as f64;
+            assert_eq!(row.means[metric], mean, "{row:?}");
+            let Some(changes) = &row.changes else { continue };
+            let change = &changes[metric];
+            assert!((change.value - (mean - rows[number % 2].means[metric])).abs() < 1e-9, "{row:?}");
+            let interval = change.interval.unwrap();
+            assert!(interval.low <= change.value && change.value <= interval.high, "{row:?}");
+        }
+        assert_eq!(row.changes.is_none(), row.name == "as designed");
+    }
+    // A shift of the filters costs colour.
+    assert!(rows.iter().any(|row| row.changes.as_ref().is_some_and(|c| c[1].interval.unwrap().low > 0.0)));
+    struct Stopped;
+    impl Progress for Stopped {
+        fn is_stopped(&self) -> bool {
+            true
+        }
+    }
+    let stopped = Resources { progress: &Stopped, ..Resources::default() };
+    let error = tolerances((&camera, "swept"), 0.95, &settings, learning, stopped).unwrap_err();
+    assert!(matches!(error, ExperimentError::Stopped), "{error}");
 }

@@ -4,7 +4,10 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 use smalti::camera::{Camera, ScoreSettings, TrainingSettings};
-use smalti::experiment::{DefaultTraining, Progress as _, SimulationSettings, learn_default, simulate};
+use smalti::experiment::{
+    DefaultTraining, FieldOfView, PreparedCapture, Progress as _, SimulationSettings, displayed,
+    learn_default, simulate,
+};
 use smalti::l3::{Pipeline, Quality, Training};
 use smalti::sensor::NoiseMode;
 use smalti::spectrum::Illuminant;
@@ -57,9 +60,9 @@ pub(super) fn capture(native: &Native, wanted: &Capture, watch: &Watch) -> Resul
         ..SceneRequest::default()
     };
     let scene = scenes::load(name, &request)?;
-    let mut camera = camera.on_grid(scene.radiance().grid())?;
-    let scene = camera.fitted(scene, false)?;
-    camera.sensor.window = Some(camera.window_on(&scene)?);
+    let PreparedCapture { camera, scene, notes } =
+        PreparedCapture::new(&camera, scene, FieldOfView::Fitted, false)?;
+    notes.iter().for_each(|text| watch.note(text));
     let light = scene.illuminant().clone();
     watch.done();
     let settings = SimulationSettings { noise: NoiseMode::All, seed: SEED, score: ScoreSettings::default() };
@@ -68,9 +71,7 @@ pub(super) fn capture(native: &Native, wanted: &Capture, watch: &Watch) -> Resul
     let info = DngInfo::of_camera(&camera, &light)?;
     let mut files = vec![("raw", dng::to_bytes(&photo.raw, &info, Path::new("raw"))?)];
     if let Some(pipeline) = &pipeline {
-        let gain = photo.picture.brightness_gain();
-        let shown = photo.picture.clone().scaled(gain).converted(camera.output_space());
-        let shown = shown.map_err(smalti::camera::CameraError::from)?;
+        let (shown, _) = displayed(&camera, photo)?;
         files.push(("picture", picture::png_bytes(&shown, Depth::Eight, Path::new("picture"))?));
         files.push(("table", l3::table_to_bytes(pipeline, Path::new("table"))?));
     }

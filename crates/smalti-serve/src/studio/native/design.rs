@@ -1,12 +1,9 @@
 //! Designs of the page as cameras.
 
-use std::path::PathBuf;
-
-use serde::Deserialize;
 use serde_json::Value;
 use smalti::camera::Camera;
-use smalti::camera::description::{CameraDescription, PatternDescription};
-use smalti_io::{TomlSource, designs};
+use smalti::camera::description::PatternDescription;
+use smalti_io::cameras;
 
 use super::error::JobError;
 
@@ -17,7 +14,7 @@ const MOST_PIXELS: usize = 100_000_000;
 
 /// The camera of a design. Curves and point spread functions that are names of files are refused by the library, which opens none.
 pub(super) fn camera(design: &Value) -> Result<Camera, JobError> {
-    let description = description(design)?;
+    let description = cameras::from_json(design.clone())?;
     let PatternDescription::Letters(rows) = &description.sensor.cfa.pattern else {
         return Err(JobError::Wrong(
             "`sensor.cfa.pattern` is a name; expected the lines of the tile in letters".into(),
@@ -38,15 +35,6 @@ pub(super) fn camera(design: &Value) -> Result<Camera, JobError> {
     }
     let grid = description.grid()?;
     Ok(Camera::new(description, grid)?)
-}
-
-/// A camera description. Errors name the key as those of camera files do.
-fn description(design: &Value) -> Result<CameraDescription, JobError> {
-    CameraDescription::deserialize(design).or_else(|error| {
-        // The reader of camera files knows where in the description the error is. It opens no file.
-        let text = designs::toml_text(design).map_err(|_| JobError::Wrong(error.to_string()))?;
-        Ok(TomlSource { name: "design".into(), folder: PathBuf::new(), text }.describe(&[])?)
-    })
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 
 use smalti::camera::CameraError;
 use smalti::design::DesignError;
+use smalti::design::live::LiveLockError;
 use smalti::experiment::ExperimentError;
 use smalti::spectrum::SpectrumError;
 use smalti_io::{Diagnostic, IoError};
@@ -24,6 +25,9 @@ pub enum JobError {
     /// The description of the camera cannot be read.
     #[error("{0}")]
     Description(#[from] Box<Diagnostic>),
+    /// Something is to stay that the array does not have.
+    #[error(transparent)]
+    Lock(#[from] LiveLockError),
     /// The search is impossible.
     #[error(transparent)]
     Design(#[from] DesignError),

@@ -7,7 +7,7 @@ use super::error::JobError;
 use super::material::{Found, Native};
 use super::message::{Job, Request, ensure_luminances};
 use super::watch::Watch;
-use super::{capture, design, report, search};
+use super::{capture, design, report, search, sweep};
 
 /// Does a job.
 pub(super) fn run(native: &Native, job: &Job, watch: &Watch) -> Result<Found, JobError> {
@@ -20,6 +20,7 @@ pub(super) fn run(native: &Native, job: &Job, watch: &Watch) -> Result<Found, Jo
         Job::Capture(capture) => capture::capture(native, capture, watch),
         Job::Search(search) => search::search(native, search, watch),
         Job::Report(wanted) => report::report(native, wanted, watch),
+        Job::Sweep(wanted) => sweep::sweep(native, wanted, watch),
     };
     // A result that comes after the wish to end it is none.
     if watch.is_stopped() { Err(JobError::Stopped) } else { found }
@@ -53,7 +54,12 @@ impl Job {
             }
             Self::Search(search) => {
                 ensure_luminances(&search.luminances_cd_m2)?;
-                search::ensure_locks(&design::camera(&search.design)?, search)
+                search::ensure_searchable(&design::camera(&search.design)?, search)
+            }
+            Self::Sweep(wanted) => {
+                sweep::set(&wanted.set)?;
+                ensure_luminances(&wanted.luminances_cd_m2)?;
+                design::camera(&wanted.design).map(drop)
             }
             Self::Report(report) => {
                 report.scene.as_deref().map_or(Ok(()), scene)?;

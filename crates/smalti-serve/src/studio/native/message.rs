@@ -53,6 +53,8 @@ pub enum Job {
     Search(Search),
     /// A comparison with another design over luminances as a page, as by `smalti compare`.
     Report(Report),
+    /// The scores of a design over luminances, with filters as designed and with filters that deviate.
+    Sweep(Sweep),
 }
 
 /// A capture.
@@ -87,6 +89,24 @@ pub struct Report {
     /// What pipelines may spend on a picture.
     #[serde(default)]
     pub quality: Quality,
+}
+
+/// What is swept: a design over luminances, and deviations of its filters.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Sweep {
+    /// The camera.
+    pub design: Value,
+    /// The name of a set of test scenes: `charts`, `natural` or `all`.
+    pub set: String,
+    /// Mean luminances of the scenes, cd/m².
+    pub luminances_cd_m2: Vec<f64>,
+    /// What pipelines may spend on a picture.
+    #[serde(default)]
+    pub quality: Quality,
+    /// The family of the filters, which says what a filter without absorbance transmits.
+    #[serde(default)]
+    pub family: LiveFamily,
 }
 
 /// What a search begins with and keeps.
@@ -199,7 +219,7 @@ pub(super) enum Said {
 /// A file that follows.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub(super) struct FileSaid {
-    /// What it is: `table`, `raw`, `picture` or `page`.
+    /// What it is: `table`, `raw`, `picture`, `page` or `csv`.
     pub(super) kind: &'static str,
     /// Its length.
     pub(super) bytes: usize,

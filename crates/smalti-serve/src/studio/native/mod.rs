@@ -12,6 +12,7 @@ mod message;
 mod report;
 mod search;
 mod socket;
+mod sweep;
 mod watch;
 
 use std::sync::Arc;
@@ -21,7 +22,7 @@ use axum::routing::any;
 
 pub use error::JobError;
 pub use material::Native;
-pub use message::{Capture, Job, MOST_MESSAGE_BYTES, MessageError, Report, Request, Search};
+pub use message::{Capture, Job, MOST_MESSAGE_BYTES, MessageError, Report, Request, Search, Sweep};
 
 /// The path of the connection, below the token.
 pub(super) const PATH: &str = "native";

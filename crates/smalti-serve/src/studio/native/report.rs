@@ -1,14 +1,14 @@
 //! The comparison of two designs as a page.
 
-use smalti::camera::{Camera, ScoreSettings, TestScene, TrainingSettings};
+use smalti::camera::{Camera, ScoreSettings, TrainingSettings};
 use smalti::experiment::{
-    Compared, ComparisonSettings, ExposurePolicy, IspKeys, Processing, Progress as _, camera_differences,
-    compare, contenders, numbered, pipelines, scene_lights,
+    ComparisonSettings, ExposurePolicy, Processing, Progress as _, compare, contenders, light_notes,
+    numbered, pipelines, scene_lights, without_infrared,
 };
 use smalti::l3::Training;
 use smalti_io::studio;
-use smalti_io::test_scenes::{TestSet, test_scene};
-use smalti_report::comparison::{CameraArgument, CommandLine, Comparison, Conditions, page};
+use smalti_io::test_scenes::{TestSet, scene_label, test_scene};
+use smalti_report::comparison::{CameraArgument, CommandLine, Stated, page};
 use smalti_report::names;
 
 use super::capture::{LIGHT, SEED};
@@ -30,6 +30,11 @@ pub(super) fn report(native: &Native, wanted: &Report, watch: &Watch) -> Result<
         None => TestSet::default().scenes(&LIGHT)?,
         Some(id) => vec![test_scene(studio::catalogue_name(id).ok_or(JobError::Broken)?, &LIGHT)?],
     };
+    for (camera, label) in cameras.iter().zip(&labels) {
+        let notes = light_notes(camera, &LIGHT.photons(camera.grid())?)?;
+        notes.iter().for_each(|text| watch.note(&format!("{label}: {text}")));
+    }
+    without_infrared(&cameras, &scenes, &LIGHT)?.iter().for_each(|text| watch.note(text));
     let (processing, resources) = ([Processing::L3], native.resources(watch));
     let lights = scene_lights(&LIGHT, &scenes)?;
     let training = Training { quality: wanted.quality, ..Training::default() };
@@ -46,34 +51,13 @@ pub(super) fn report(native: &Native, wanted: &Report, watch: &Watch) -> Result<
         score: ScoreSettings::default(),
         exposure: ExposurePolicy::default(),
     };
-    let Compared { outcomes, exposure, verdict } = compare(&contenders, &settings, resources)?;
+    let compared = compare(&contenders, &settings, resources)?;
     watch.begin("writing");
-    let scene_labels: Vec<String> =
-        settings.scenes.iter().map(|s| s.name().split('?').next().unwrap_or_default().to_owned()).collect();
-    let own_light: Vec<bool> = settings.scenes.iter().map(TestScene::keeps_light).collect();
     let files: Vec<String> =
         names::file_names(labels.iter().map(String::as_str)).into_iter().map(|n| n + ".toml").collect();
-    let comparison = Comparison {
-        command: &command(wanted, &files),
-        cameras: &cameras,
-        labels: &labels,
-        contenders: &contenders,
-        left_out: &left_out,
-        outcomes: &outcomes,
-        conditions: Conditions {
-            exposure: exposure.applied(),
-            cameras: &cameras,
-            differences: &camera_differences(&cameras, IspKeys::Unused)?,
-            limiting: exposure.limiting(),
-            labels: &labels,
-        },
-        gains: &[],
-        scene_labels: &scene_labels,
-        own_light: &own_light,
-        illuminant: &LIGHT.name(),
-        seed: SEED,
-        verdict: &verdict,
-    };
+    let command = command(wanted, &files);
+    let stated = Stated::new((&cameras, &labels), &contenders, &settings, scene_label)?;
+    let comparison = stated.report(&command, (&cameras, &labels), &left_out, &compared);
     let said = serde_json::json!({"verdict": comparison.verdict_text()});
     Ok(Found { said, files: vec![("page", page(&comparison)?.into_bytes())] })
 }

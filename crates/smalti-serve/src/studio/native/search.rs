@@ -1,17 +1,16 @@
 //! The search for better filters and a better mosaic.
 
-use std::collections::BTreeMap;
-
 use serde_json::json;
 use smalti::camera::Camera;
-use smalti::camera::description::{CameraDescription, CfaDescription, PatternDescription};
+use smalti::camera::description::CameraDescription;
 use smalti::design::light::LightSettings;
-use smalti::design::live::{live_conditions, live_objective};
+use smalti::design::live::{
+    FoundChannel, LiveLocks, live_conditions, live_objective, sampled_filter, with_array,
+};
 use smalti::design::screen::ExpectedError;
-use smalti::design::search::{Annealing, FreeCurves, LayoutRules, SearchSettings, Tolerance};
+use smalti::design::search::{Annealing, FreeCurves, LayoutRules, Locks, SearchSettings, Tolerance};
 use smalti::design::{MosaicFamily, Symmetry, Tile};
 use smalti::experiment::{DesignTask, DesignedCfa, ForgetfulStore, design, light_statistics};
-use smalti::sensor::Filter;
 use smalti::spectrum::Spectrum;
 
 use super::capture::LIGHT;
@@ -20,6 +19,9 @@ use super::error::JobError;
 use super::material::{Found, Native};
 use super::message::Search;
 use super::watch::Watch;
+
+/// The most filters of a mosaic that is searched: those of a task have the letters a to z.
+const MOST_CHANNELS: usize = 26;
 
 /// What stays: the letter of each channel of the task, kept ones first, and the rules.
 struct Kept {
@@ -35,7 +37,8 @@ struct Kept {
 /// Searches all mosaics of the tile, and the filters for each from many starts.
 pub(super) fn search(native: &Native, wanted: &Search, watch: &Watch) -> Result<Found, JobError> {
     let camera = camera(&wanted.design)?;
-    let kept = kept(&camera, wanted);
+    ensure_searchable(&camera, wanted)?;
+    let kept = kept(&camera, locks(&camera, wanted)?);
     let mosaic = camera.sensor.cfa.mosaic();
     let task = DesignTask {
         name: camera.description().name.clone(),
@@ -80,35 +83,33 @@ pub(super) fn search(native: &Native, wanted: &Search, watch: &Watch) -> Result<
 
 /// The letter of a channel of a task.
 fn letter(channel: usize) -> char {
-    char::from(b'a' + (channel % 26) as u8)
+    char::from(b'a' + channel as u8)
 }
 
-/// Checks that the filters and cells that stay are those of the array.
-pub(super) fn ensure_locks(camera: &Camera, wanted: &Search) -> Result<(), JobError> {
-    let cfa = &camera.sensor.cfa;
-    let mosaic = cfa.mosaic();
-    let is_absent = |name: &&String| cfa.channels().iter().all(|c| c.name != **name);
-    if let Some(name) = wanted.filters.iter().find(is_absent) {
-        return Err(JobError::Wrong(format!("the array has no filter {name:?}")));
+/// Checks that the filters and cells that stay are those of the array, and that its channels have letters.
+pub(super) fn ensure_searchable(camera: &Camera, wanted: &Search) -> Result<(), JobError> {
+    let channels = camera.sensor.cfa.channels().len();
+    if channels > MOST_CHANNELS {
+        let message = format!(
+            "the mosaic has {channels} filters; a search takes at most {MOST_CHANNELS}, one for each letter"
+        );
+        return Err(JobError::Wrong(message));
     }
-    for [row, col] in &wanted.cells {
-        if *row >= mosaic.rows() || *col >= mosaic.cols() {
-            let (rows, cols) = (mosaic.rows(), mosaic.cols());
-            let message = format!("the cell {row}, {col} is not in the tile of {rows} × {cols}");
-            return Err(JobError::Wrong(message));
-        }
-    }
-    Ok(())
+    locks(camera, wanted).map(drop)
+}
+
+fn locks(camera: &Camera, wanted: &Search) -> Result<Locks, JobError> {
+    let Search { filters, cells, mosaic, .. } = wanted;
+    let locks = LiveLocks { filters: filters.clone(), cells: cells.clone(), mosaic: *mosaic };
+    Ok(locks.of(camera)?)
 }
 
 /// Which cells and filters stay. A filter that stays keeps its cells.
-fn kept(camera: &Camera, wanted: &Search) -> Kept {
+fn kept(camera: &Camera, Locks { filters, cells }: Locks) -> Kept {
     let cfa = &camera.sensor.cfa;
     let (mosaic, channels) = (cfa.mosaic(), cfa.channels());
-    let filters: Vec<bool> = channels.iter().map(|c| wanted.filters.contains(&c.name)).collect();
-    let stays = |row: usize, col: usize| {
-        wanted.mosaic || wanted.cells.contains(&[row, col]) || filters[mosaic.channel_at(row, col)]
-    };
+    let stays =
+        |row: usize, col: usize| cells[row * mosaic.cols() + col] || filters[mosaic.channel_at(row, col)];
     let places = || (0..mosaic.rows()).flat_map(|row| (0..mosaic.cols()).map(move |col| (row, col)));
     let is_known = |channel: &usize| {
         places().any(|(row, col)| mosaic.channel_at(row, col) == *channel && stays(row, col))
@@ -125,7 +126,7 @@ fn kept(camera: &Camera, wanted: &Search) -> Kept {
     };
     let given = |channel: usize| {
         let t = &channels[channel].transmittance;
-        (letter(place(channel)), samples(t))
+        (letter(place(channel)), sampled_filter(t))
     };
     let rules = LayoutRules {
         kept: if count == 0 { Vec::new() } else { (0..mosaic.rows()).map(line).collect() },
@@ -133,11 +134,6 @@ fn kept(camera: &Camera, wanted: &Search) -> Kept {
         ..LayoutRules::default()
     };
     Kept { channels: order, known: count, filters, rules }
-}
-
-fn samples(t: &Spectrum) -> Filter {
-    let grid = t.grid();
-    Filter::Samples { start_nm: grid.start_nm(), step_nm: grid.step_nm(), values: t.values().to_vec() }
 }
 
 /// The camera with an array that was found. Filters in cells that stay keep their letters; the others have theirs in the order of their wavelengths.
@@ -158,21 +154,10 @@ fn described(camera: &Camera, kept: &Kept, best: &DesignedCfa) -> Result<CameraD
     // The channel of the camera whose letter each channel of the task has.
     let mut channels = kept.channels.clone();
     free.into_iter().zip(letters).for_each(|(at, channel)| channels[at] = channel);
-    let name = |at: usize| channels.get(at).map_or("", |c| own[*c].name.as_str());
-    let mosaic = &best.mosaic;
-    let line = |row| (0..mosaic.cols()).map(|col| name(mosaic.channel_at(row, col))).collect();
-    let stated = &camera.description().sensor.cfa.filters;
-    let filter = |(at, t): (usize, &Spectrum)| {
-        let stays = channels.get(at).is_some_and(|c| kept.filters[*c]);
-        let own = stated.get(name(at)).filter(|_| stays).cloned();
-        (name(at).to_owned(), own.unwrap_or_else(|| samples(t)))
-    };
-    let filters: BTreeMap<String, Filter> = found.transmittances.iter().enumerate().map(filter).collect();
-    let mut description = camera.description().clone();
-    description.sensor.cfa = CfaDescription {
-        pattern: PatternDescription::Letters((0..mosaic.rows()).map(line).collect()),
-        filters,
-        ..CfaDescription::default()
-    };
-    Ok(description)
+    let found = channels.iter().zip(&found.transmittances).map(|(channel, transmittance)| FoundChannel {
+        letter: own[*channel].name.clone(),
+        transmittance: transmittance.clone(),
+        stays: kept.filters[*channel],
+    });
+    Ok(with_array(camera.description(), &best.mosaic, &found.collect::<Vec<_>>()))
 }

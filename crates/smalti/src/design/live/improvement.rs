@@ -1,10 +1,14 @@
 //! What better designs are to the studio, whether its page or the native library searches them.
 
 use serde::Deserialize;
+use thiserror::Error;
 
 use crate::camera::Camera;
+use crate::camera::description::{CameraDescription, CfaDescription, PatternDescription};
 use crate::design::screen::ScreenCondition;
-use crate::design::search::{Dichroic, FilterSpace, FreeCurves, Objective, Over, Pigments};
+use crate::design::search::{Dichroic, FilterSpace, FreeCurves, Locks, Objective, Over, Pigments};
+use crate::sensor::{Filter, Mosaic};
+use crate::spectrum::Spectrum;
 
 /// The longest exposure of cameras that state no time, s, as in the built-in designs.
 const LONGEST_S: f64 = 0.033;
@@ -46,4 +50,101 @@ pub fn live_conditions(camera: &Camera, luminances_cd_m2: &[f64]) -> Vec<ScreenC
 #[must_use]
 pub fn live_objective() -> Objective {
     Objective { delta_e_2000: DELTA_E_2000, over: Over::Worst, ..Objective::default() }
+}
+
+/// What stays of an array, as a designer states it.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct LiveLocks {
+    /// Letters of filters. A filter that has no cell stays in any case.
+    pub filters: Vec<String>,
+    /// Row and column of cells, counted from 0.
+    pub cells: Vec<[usize; 2]>,
+    /// Whether all cells stay.
+    pub mosaic: bool,
+}
+
+/// A lock of something that the array does not have.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[non_exhaustive]
+pub enum LiveLockError {
+    /// The design has no filter of this letter.
+    #[error("the array has no filter {0:?}")]
+    NoFilter(String),
+    /// The cell is outside the tile.
+    #[error("the cell {row}, {col} is not in the tile of {rows} × {cols}")]
+    NoCell {
+        /// Its row.
+        row: usize,
+        /// Its column.
+        col: usize,
+        /// Rows of the tile.
+        rows: usize,
+        /// Columns of the tile.
+        cols: usize,
+    },
+}
+
+impl LiveLocks {
+    /// What stays of the array of a camera, by channel and by cell.
+    ///
+    /// # Errors
+    /// When a filter is none of the design, or a cell is outside the tile.
+    pub fn of(&self, camera: &Camera) -> Result<Locks, LiveLockError> {
+        let (cfa, stated) = (&camera.sensor.cfa, &camera.description().sensor.cfa.filters);
+        let (mosaic, channels) = (cfa.mosaic(), cfa.channels());
+        let is_known =
+            |letter: &String| stated.contains_key(letter) || channels.iter().any(|c| c.name == *letter);
+        if let Some(unknown) = self.filters.iter().find(|letter| !is_known(letter)) {
+            return Err(LiveLockError::NoFilter(unknown.clone()));
+        }
+        let mut cells = vec![self.mosaic; mosaic.cells().len()];
+        let (rows, cols) = (mosaic.rows(), mosaic.cols());
+        for &[row, col] in &self.cells {
+            if row >= rows || col >= cols {
+                return Err(LiveLockError::NoCell { row, col, rows, cols });
+            }
+            cells[row * cols + col] = true;
+        }
+        Ok(Locks { filters: channels.iter().map(|c| self.filters.contains(&c.name)).collect(), cells })
+    }
+}
+
+/// A transmittance as the samples of a camera file.
+#[must_use]
+pub fn sampled_filter(transmittance: &Spectrum) -> Filter {
+    let grid = transmittance.grid();
+    Filter::Samples {
+        start_nm: grid.start_nm(),
+        step_nm: grid.step_nm(),
+        values: transmittance.values().to_vec(),
+    }
+}
+
+/// A channel of an array that was found.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FoundChannel {
+    /// Its letter in the camera file.
+    pub letter: String,
+    /// Its transmittance.
+    pub transmittance: Spectrum,
+    /// Whether it is as it was.
+    pub stays: bool,
+}
+
+/// A design with an array that was found. Filters that stay, and those that have no cell, remain as they were stated; the others are samples.
+#[must_use]
+pub fn with_array(design: &CameraDescription, mosaic: &Mosaic, found: &[FoundChannel]) -> CameraDescription {
+    let mut filters = design.sensor.cfa.filters.clone();
+    for FoundChannel { letter, transmittance, stays } in found {
+        if !(*stays && filters.contains_key(letter)) {
+            filters.insert(letter.clone(), sampled_filter(transmittance));
+        }
+    }
+    let letter = |row, col| found.get(mosaic.channel_at(row, col)).map_or("", |f| f.letter.as_str());
+    let line = |row| (0..mosaic.cols()).map(|col| letter(row, col)).collect();
+    let pattern = PatternDescription::Letters((0..mosaic.rows()).map(line).collect());
+    let mut design = design.clone();
+    design.sensor.cfa = CfaDescription { pattern, filters, ..CfaDescription::default() };
+    design
 }

@@ -3,12 +3,15 @@
 use std::collections::VecDeque;
 use std::sync::Arc;
 
+use serde::Serialize;
+
 use super::setup::{LiveSetup, LiveTraining};
 use super::target_light::TargetLight;
 use crate::camera::description::{CameraDescription, CfaDescription, IspDescription};
 use crate::camera::stable_text::stable_text;
 use crate::camera::{Camera, CameraError};
 use crate::design::latest::keep_latest;
+use crate::design::learning_settings::LearningSettings;
 use crate::design::pipeline_trainer::PipelineTrainer;
 use crate::design::pixel_light::PixelLight;
 use crate::design::targets::has_independent_samples;
@@ -16,7 +19,7 @@ use crate::design::training_data::TrainingLight;
 use crate::l3::Pipeline;
 use crate::numeric::Planes;
 use crate::sensor::SensorError;
-use crate::spectrum::Spectrum;
+use crate::spectrum::{Observer, Spectrum};
 
 /// Conditions whose training data are kept, about 10 MB each.
 const KEPT: usize = 4;
@@ -29,6 +32,21 @@ pub struct LiveDesign {
     pub(super) lens: Spectrum,
     pub(super) pipeline: Pipeline,
     pub(super) luminance_cd_m2: f64,
+    /// Seed of the noise in which patches were classified.
+    seed: u64,
+}
+
+/// The provenance of a pipeline, as stored in its file.
+#[derive(Serialize)]
+struct Provenance<'a> {
+    smalti_version: &'a str,
+    learned_in: &'a str,
+    camera: &'a CameraDescription,
+    learning: &'a LearningSettings,
+    illuminant: String,
+    luminance_cd_m2: f64,
+    seed: u64,
+    scenes: [String; 2],
 }
 
 impl LiveDesign {
@@ -127,7 +145,32 @@ impl LiveLearner {
         let lens = camera.optics.transmittance_on(camera.grid())?;
         let trainer = self.trainer(&camera, &lens, luminance_cd_m2, seed)?;
         let (pipeline, _) = trainer.pipeline(&camera.sensor.cfa)?;
-        Ok(LiveDesign { camera, lens, pipeline, luminance_cd_m2 })
+        Ok(LiveDesign { camera, lens, pipeline, luminance_cd_m2, seed })
+    }
+
+    /// The pipeline of a design that was learned here, to be kept in a file: with its white point, and with a provenance that states how
+    /// and on which scenes it was learned.
+    ///
+    /// # Errors
+    /// When the illuminant does not lie on the wavelengths of the setup.
+    pub fn table(&self, design: &LiveDesign) -> Result<Pipeline, CameraError> {
+        let LiveDesign { camera, pipeline, luminance_cd_m2, seed, .. } = design;
+        let LiveSetup { illuminant, learning, .. } = &self.setup;
+        let provenance = stable_text(&Provenance {
+            smalti_version: env!("CARGO_PKG_VERSION"),
+            learned_in: "the studio, from statistics of light",
+            camera: camera.description(),
+            learning,
+            illuminant: illuminant.name(),
+            luminance_cd_m2: *luminance_cd_m2,
+            seed: *seed,
+            scenes: [
+                format!("training scene {} of studies, {1} × {1} pixels", learning.scene, learning.size_px),
+                "uniform surfaces with the reflectances of training".into(),
+            ],
+        })?;
+        let white = Observer::Cie1931.white(&illuminant.photons(camera.grid())?)?;
+        Ok(pipeline.clone().with_white(Some(white)).with_provenance(provenance))
     }
 
     fn trainer(

@@ -11,7 +11,10 @@ mod setup;
 mod target_light;
 mod targets;
 
-pub use improvement::{LiveFamily, live_conditions, live_objective};
+pub use improvement::{
+    FoundChannel, LiveFamily, LiveLockError, LiveLocks, live_conditions, live_objective, sampled_filter,
+    with_array,
+};
 pub use learner::{LiveDesign, LiveLearner};
 pub use pictures::{LiveCrop, LivePicture, LivePictures};
 pub use setup::{LiveScene, LiveSetup, LiveTraining};

@@ -16,7 +16,7 @@ use crate::design::latest::keep_latest;
 use crate::design::pixel_light::PixelLight;
 use crate::isp::Isp;
 use crate::numeric::Planes;
-use crate::sensor::{NoiseMode, PixelSpectra, SensorError, Window};
+use crate::sensor::{Exposure, NoiseMode, PixelSpectra, RawImage, SensorError, Window};
 use crate::spectrum::{Illuminant, Observer, Spectrum};
 
 /// Parts of the scene whose light is kept, and references: about 10 MB for 256 × 256 pixels.
@@ -49,6 +49,15 @@ pub struct LivePicture {
     pub time_s: f64,
     /// The share of the samples that saturate, percent.
     pub saturated_percent: f64,
+}
+
+/// A capture of a part of a scene, before it is rendered.
+#[derive(Debug, Clone)]
+struct Capture {
+    raw: RawImage,
+    exposure: Exposure,
+    /// The part that was captured: whole tiles around the part that is wanted.
+    window: Window,
 }
 
 /// What the light on a part of a scene depends on: that part, the transmittance of the lens and the luminance.
@@ -106,8 +115,41 @@ impl LivePictures {
         noise: NoiseMode,
         seed: u64,
     ) -> Result<LivePicture, CameraError> {
-        let whole = self.whole();
         let crop = self.checked(crop)?;
+        let Capture { raw, exposure, window } = self.capture(design, crop, noise, seed)?;
+        let rendered = Isp::render(&design.pipeline.renderer(), &raw)?;
+        // The reference is that of the scene at 1 cd/m².
+        let camera = &design.camera;
+        let y = &Observer::Cie1931.photon_weights(camera.grid())?[LUMINANCE];
+        let scale = camera.exposure_scale(&exposure, &self.photons, y)? * design.luminance_cd_m2;
+        let own = LiveCrop { row: crop.row - window.row, col: crop.col - window.col, ..crop };
+        let saturated_percent = raw.saturated_percent();
+        Ok(LivePicture {
+            picture: part(&rendered, own)?,
+            scale,
+            crop,
+            time_s: exposure.time_s,
+            saturated_percent,
+        })
+    }
+
+    /// The raw image of the whole scene of which [`LivePictures::picture`] makes the picture.
+    ///
+    /// # Errors
+    /// When no exposure is found, or the capture fails.
+    pub fn raw(&mut self, design: &LiveDesign, noise: NoiseMode, seed: u64) -> Result<RawImage, CameraError> {
+        Ok(self.capture(design, self.whole(), noise, seed)?.raw)
+    }
+
+    /// Captures the samples that the picture of a part of the scene depends on.
+    fn capture(
+        &mut self,
+        design: &LiveDesign,
+        crop: LiveCrop,
+        noise: NoiseMode,
+        seed: u64,
+    ) -> Result<Capture, CameraError> {
+        let whole = self.whole();
         let LiveDesign { camera, pipeline, .. } = design;
         let camera = camera.with_size(whole.rows, whole.cols);
         let window = around(crop, whole, &camera, pipeline.reach());
@@ -125,19 +167,7 @@ impl LivePictures {
         let mut sensor = camera.sensor.clone();
         sensor.window = Some(window);
         let raw = sensor.capture(&*pixels, &exposure, noise, seed)?;
-        let rendered = Isp::render(&pipeline.renderer(), &raw)?;
-        // The reference is that of the scene at 1 cd/m².
-        let y = &Observer::Cie1931.photon_weights(camera.grid())?[LUMINANCE];
-        let scale = camera.exposure_scale(&exposure, &self.photons, y)? * design.luminance_cd_m2;
-        let own = LiveCrop { row: crop.row - window.row, col: crop.col - window.col, ..crop };
-        let saturated_percent = raw.saturated_percent();
-        Ok(LivePicture {
-            picture: part(&rendered, own)?,
-            scale,
-            crop,
-            time_s: exposure.time_s,
-            saturated_percent,
-        })
+        Ok(Capture { raw, exposure, window })
     }
 
     /// What the standard observer sees of a part of the scene, X, Y, Z, without noise.

@@ -14,8 +14,8 @@ use crate::metrics::{MetricError, Rect};
 use crate::sensor::{Exposure, NoiseMode};
 
 /// The resolution and the noise of a design with its learned pipeline, as `smalti compare` measures them. The fields have the names of the
-/// catalogue of metrics. A figure is `None` where it cannot be measured, as on an edge that saturates.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+/// catalogue of metrics, but for the reason. A figure is `None` where it cannot be measured, as on an edge that saturates.
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LiveTargetScores {
     /// MTF50 of an edge of high contrast without noise, cycles per mm on the sensor.
     pub mtf50_cy_per_mm: Option<f64>,
@@ -25,6 +25,8 @@ pub struct LiveTargetScores {
     pub mtf50_low_contrast_cy_per_mm: Option<f64>,
     /// The same in cycles per pixel.
     pub mtf50_low_contrast_cy_per_px: Option<f64>,
+    /// Why the MTF50 of one of the edges, or of both, cannot be measured.
+    pub no_mtf50: Option<String>,
     /// `100 · std(Y) / mean(Y)` on the grey patches of the ColorChecker, percent: the mean over patches and over
     /// [`COMPARED_NOISE_CAPTURES`] captures.
     pub luminance_noise_percent: Option<f64>,
@@ -43,27 +45,30 @@ impl LiveLearner {
         let exposure = low_contrast.camera.exposure_for(exposure.time_s, &low_contrast.pixels)?;
         let low = edge_frequency(&low_contrast, design, &exposure)?;
         let per_mm = |f: f64| f / (design.camera.sensor.pixel.pitch_m * 1e3);
+        let no_mtf50 = high.as_ref().err().or(low.as_ref().err()).map(ToString::to_string);
+        let (high, low) = (high.ok(), low.ok());
         Ok(LiveTargetScores {
             mtf50_cy_per_mm: high.map(per_mm),
             mtf50_cy_per_px: high,
             mtf50_low_contrast_cy_per_mm: low.map(per_mm),
             mtf50_low_contrast_cy_per_px: low,
+            no_mtf50,
             luminance_noise_percent: noise(&target(&self.chart)?, design, seed)?,
         })
     }
 }
 
-/// MTF50 of the picture of an edge without noise, cycles per pixel; `None` when the picture shows no edge.
+/// MTF50 of the picture of an edge without noise, cycles per pixel, or why it cannot be measured on the picture.
 fn edge_frequency(
     edge: &ImagedScene,
     design: &LiveDesign,
     exposure: &Exposure,
-) -> Result<Option<f64>, CameraError> {
+) -> Result<Result<f64, MetricError>, CameraError> {
     let raw = edge.camera.sensor.capture_ideal(&edge.pixels, exposure)?;
     let picture = Isp::render(&design.pipeline.renderer(), &raw)?;
     match edge_mtf50(picture.planes(), LUMINANCE, EDGE_REGION) {
-        Err(CameraError::Metric(MetricError::NoEdge(_) | MetricError::LowContrast { .. })) => Ok(None),
-        found => Ok(Some(found?.cy_per_px)),
+        Err(CameraError::Metric(error)) if error.is_about_edge() => Ok(Err(error)),
+        found => Ok(Ok(found?.cy_per_px)),
     }
 }
 

@@ -6,7 +6,7 @@ use smalti::design::{Condition, Preview, PreviewLight, PreviewScene, Study, Tria
 use smalti::scene::Setting;
 use smalti::sensor::NoiseMode;
 use smalti::spectrum::{Illuminant, WavelengthGrid};
-use smalti_wasm::Studio;
+use smalti_wasm::StudyPictures;
 
 const STUDY: &str = r#"{
     "name": "module", "seed": 5, "colors": [3], "filter_sets": 4, "mosaic_count": null,
@@ -42,7 +42,7 @@ fn text_and_numbers_give_the_pictures_of_the_library() {
     let (study, mut light) = (study(), light());
     let trials = Trials::new(study.clone()).unwrap();
     let preview = Preview::new(&study, 0, TrialProcessing::Classic, &light).unwrap();
-    let mut studio = Studio::default();
+    let mut studio = StudyPictures::default();
     let index = studio.study(&serde_json::to_vec(&study).unwrap()).unwrap();
     let text = serde_json::to_vec(&light).unwrap();
     studio.setup(index, 0, TrialProcessing::Classic, &text, &codes(&mut light)).unwrap();
@@ -60,7 +60,7 @@ fn text_and_numbers_give_the_pictures_of_the_library() {
 
 #[test]
 fn what_is_wrong_is_told() {
-    let mut studio = Studio::default();
+    let mut studio = StudyPictures::default();
     assert!(studio.draw(0, 0, NoiseMode::None).unwrap_err().to_string().contains("no setup"));
     assert!(studio.study(b"{}").unwrap_err().to_string().contains("missing field"));
     studio.study(&serde_json::to_vec(&study()).unwrap()).unwrap();

@@ -10,7 +10,7 @@ use smalti::sensor::NoiseMode;
 /// Why there is no picture.
 #[derive(Debug)]
 #[non_exhaustive]
-pub enum StudioError {
+pub enum StudyPictureError {
     /// The input cannot be read.
     Input(serde_json::Error),
     /// The number of values of the planes is not that which their text states.
@@ -25,7 +25,7 @@ pub enum StudioError {
     Camera(CameraError),
 }
 
-impl fmt::Display for StudioError {
+impl fmt::Display for StudyPictureError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Input(error) => write!(f, "the input cannot be read: {error}"),
@@ -38,21 +38,21 @@ impl fmt::Display for StudioError {
     }
 }
 
-impl std::error::Error for StudioError {}
+impl std::error::Error for StudyPictureError {}
 
-impl From<serde_json::Error> for StudioError {
+impl From<serde_json::Error> for StudyPictureError {
     fn from(error: serde_json::Error) -> Self {
         Self::Input(error)
     }
 }
 
-impl From<DesignError> for StudioError {
+impl From<DesignError> for StudyPictureError {
     fn from(error: DesignError) -> Self {
         Self::Design(error)
     }
 }
 
-impl From<CameraError> for StudioError {
+impl From<CameraError> for StudyPictureError {
     fn from(error: CameraError) -> Self {
         Self::Camera(error)
     }
@@ -60,18 +60,18 @@ impl From<CameraError> for StudioError {
 
 /// What a page draws with.
 #[derive(Default)]
-pub struct Studio {
+pub struct StudyPictures {
     studies: Vec<Trials>,
     setup: Option<(usize, Preview)>,
     trial: Option<(u64, PreviewDesign)>,
 }
 
-impl Studio {
+impl StudyPictures {
     /// Adds a study, as JSON; returns its index.
     ///
     /// # Errors
     /// When it cannot be read or has no designs.
-    pub fn study(&mut self, json: &[u8]) -> Result<usize, StudioError> {
+    pub fn study(&mut self, json: &[u8]) -> Result<usize, StudyPictureError> {
         let study: Study = serde_json::from_slice(json)?;
         self.studies.push(Trials::new(study)?);
         Ok(self.studies.len() - 1)
@@ -89,20 +89,20 @@ impl Studio {
         processing: TrialProcessing,
         light: &[u8],
         codes: &[u8],
-    ) -> Result<(), StudioError> {
+    ) -> Result<(), StudyPictureError> {
         (self.setup, self.trial) = (None, None);
-        let trials = self.studies.get(study).ok_or(StudioError::NoStudy(study))?;
+        let trials = self.studies.get(study).ok_or(StudyPictureError::NoStudy(study))?;
         let mut light: PreviewLight = serde_json::from_slice(light)?;
-        let (mut numbers, []) = codes.as_chunks() else { return Err(StudioError::Planes) };
+        let (mut numbers, []) = codes.as_chunks() else { return Err(StudyPictureError::Planes) };
         for planes in light.planes_mut() {
             let samples = planes.rows.checked_mul(planes.cols).and_then(|n| n.checked_mul(planes.count));
             let (here, rest) =
-                samples.and_then(|n| numbers.split_at_checked(n)).ok_or(StudioError::Planes)?;
+                samples.and_then(|n| numbers.split_at_checked(n)).ok_or(StudyPictureError::Planes)?;
             planes.codes = Arc::new(here.iter().map(|&bytes| i32::from_le_bytes(bytes)).collect());
             numbers = rest;
         }
         if !numbers.is_empty() {
-            return Err(StudioError::Planes);
+            return Err(StudyPictureError::Planes);
         }
         self.setup = Some((study, Preview::new(trials.study(), condition, processing, &light)?));
         Ok(())
@@ -112,13 +112,18 @@ impl Studio {
     ///
     /// # Errors
     /// When there is no such trial or scene, or a stage refuses.
-    pub fn draw(&mut self, number: u64, scene: usize, noise: NoiseMode) -> Result<Vec<u8>, StudioError> {
-        let (study, preview) = self.setup.as_ref().ok_or(StudioError::NoSetup)?;
-        let trials = self.studies.get(*study).ok_or(StudioError::NoStudy(*study))?;
+    pub fn draw(
+        &mut self,
+        number: u64,
+        scene: usize,
+        noise: NoiseMode,
+    ) -> Result<Vec<u8>, StudyPictureError> {
+        let (study, preview) = self.setup.as_ref().ok_or(StudyPictureError::NoSetup)?;
+        let trials = self.studies.get(*study).ok_or(StudyPictureError::NoStudy(*study))?;
         if self.trial.as_ref().is_none_or(|(kept, _)| *kept != number) {
             self.trial = Some((number, preview.design(&trials.trial(number)?.design)?));
         }
-        let (_, design) = self.trial.as_ref().ok_or(StudioError::NoSetup)?;
+        let (_, design) = self.trial.as_ref().ok_or(StudyPictureError::NoSetup)?;
         Ok(preview.picture(design, scene, noise)?.rgba8())
     }
 }
