@@ -87,15 +87,16 @@ async function start() {
   }
   /** Shows the scene and the luminance of an address, and says which scene is missing. @param {import("./share.js").Shared} shared @returns {string} */
   function showConditions(shared) {
+    const id = String(shared.scene ?? "");
     // A photograph has a number, which would be that of another one here.
-    const isKnown = engine.scenes.some((s) => s.id === shared.scene && s.set !== "own");
-    if (isKnown) scene.value = String(shared.scene);
-    else if (!scene.value || shared.scene) scene.value = engine.scenes[0].id;
+    const isKnown = engine.scenes.some((s) => s.id === id && s.set !== "own");
+    if (isKnown) scene.value = id;
+    else if (!scene.value || id) scene.value = engine.scenes[0].id;
     if (shared.luminance) light.value = String(Math.log10(shared.luminance));
-    if (isKnown || !shared.scene) return "";
-    return shared.scene.startsWith(PHOTOGRAPH)
+    if (isKnown || !id) return "";
+    return id.startsWith(PHOTOGRAPH)
       ? `The scene of this address is a photograph of the sender, which is not in the address. ${sceneName()} is shown.`
-      : `This page has no scene ${shared.scene}. ${sceneName()} is shown.`;
+      : `This page has no scene ${id}. ${sceneName()} is shown.`;
   }
   const sceneName = () => scene.selectedOptions[0]?.textContent ?? "";
   const isOwnScene = () => engine.scenes.some((s) => s.id === scene.value && s.set === "own");
