@@ -95,14 +95,15 @@ test("results of a search and the report of a sweep open as designs", async () =
   const cells = () => page.locator("#grid [role=row]").evaluateAll((rows) => rows.map((r) => [...r.children].map((c) => c.textContent).join("")));
   await take("results.json", search);
   await page.waitForFunction(() => document.querySelector("#name").value === "found");
-  assert.deepEqual(await cells(), ["ab", "ca"]);
+  assert.deepEqual(await cells(), ["AB", "CA"]);
   await page.getByText("found is open with the sensor and the lens of this page").waitFor();
-  await writeFile(join(dir, "few.toml"), `name = "few"\ncamera = "table1"\ncolors = [3]\nmosaics = { given = [["bc", "ab"]] }\nmetrics = ["vora_value"]\n[[filters.given]]\nlabel = "one"\nfilters = [{ gaussian = { center_nm = 455, sigma_nm = 25 } }, { gaussian = { center_nm = 540, sigma_nm = 35 } }, { gaussian = { center_nm = 600, sigma_nm = 30 } }]\n`);
+  const filters = [[455, 25], [540, 35], [600, 30]].map(([center, sigma]) => `{ gaussian = { center_nm = ${center}, sigma_nm = ${sigma} } }`);
+  await writeFile(join(dir, "few.toml"), `camera = "table1"\ncolors = [3]\nmosaics = { given = [["bc", "ab"]] }\nmetrics = ["vora_value"]\n[[filters.list]]\nfilters = [${filters.join(", ")}]\n`);
   run("sweep", "few.toml", "-o", "few", "-q");
   run("report", "few", "-q");
   await page.locator("#file").setInputFiles(join(dir, "few/report/report.json"));
   await page.waitForFunction(() => document.querySelector("#name").value === "few, trial 0");
-  assert.deepEqual(await cells(), ["bc", "ab"]);
+  assert.deepEqual(await cells(), ["BC", "AB"]);
   await settled(page);
   await take("other.json", { studies: [] });
   await page.getByText("it holds no camera").waitFor();

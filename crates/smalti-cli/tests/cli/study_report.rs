@@ -174,9 +174,9 @@ fn detail_finer_than_the_pixels_is_marked() {
     let section = &place.json("out/report/report.json")["studies"][0]["sections"][0];
     assert_eq!(section["description"]["name"], section["camera"]);
     let cfa = &trial(&place)["cfa"];
-    assert_eq!(cfa["pattern"], serde_json::json!(["bc", "ab"]));
+    assert_eq!(cfa["pattern"], serde_json::json!(["BC", "AB"]));
     let gaussian = serde_json::json!({"gaussian": {"center_nm": 455.0, "sigma_nm": 25.0, "peak": 1.0}});
-    assert_eq!(cfa["filters"]["a"], gaussian);
+    assert_eq!(cfa["filters"]["A"], gaussian);
     // In cycles per pixel, too.
     let per_pixel = study("metrics = [\"mtf50_cy_per_px\"]", set([(442, 45), (462, 33), (635, 42)]));
     assert!(per_pixel.contains(" * ") && per_pixel.contains("\n* MTF50 lies beyond"), "{per_pixel}");

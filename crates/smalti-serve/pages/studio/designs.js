@@ -6,7 +6,7 @@
 /** A design that was opened, and what is to be said of it. @typedef {{ design: Design, note: string }} Opened */
 
 /**
- * The best design in `results.json` of `smalti design`, on a camera: the results state its array alone. Its tile has the letters of the transmittances, from a on.
+ * The best design in `results.json` of `smalti design`, on a camera: the results state its array alone. Its transmittances are in the order of the letters of its tile, from a on; camera files have capitals.
  * @param {any} results @param {Design} camera @returns {Opened | undefined}
  */
 function ofSearch(results, camera) {
@@ -14,9 +14,9 @@ function ofSearch(results, camera) {
   const nm = results?.wavelengths_nm;
   if (typeof best?.tile !== "string" || !Array.isArray(best.transmittances) || !Array.isArray(nm) || nm.length < 2) return undefined;
   const filter = (/** @type {number[]} */ values) => ({ samples: { start_nm: nm[0], step_nm: nm[1] - nm[0], values } });
-  const letter = (/** @type {number} */ channel) => String.fromCharCode("a".charCodeAt(0) + channel);
+  const letter = (/** @type {number} */ channel) => String.fromCharCode("A".charCodeAt(0) + channel);
   const filters = Object.fromEntries(best.transmittances.map((/** @type {number[]} */ values, /** @type {number} */ i) => [letter(i), filter(values)]));
-  const cfa = { pattern: best.tile.split("/"), filters };
+  const cfa = { pattern: best.tile.toUpperCase().split("/"), filters };
   const design = { ...camera, name: String(results.name), sensor: { ...camera.sensor, cfa } };
   return { design, note: `${results.name} is open with the sensor and the lens of this page. camera.toml in the same folder has its own.` };
 }

@@ -54,7 +54,7 @@ impl Job {
             }
             Self::Search(search) => {
                 ensure_luminances(&search.luminances_cd_m2)?;
-                search::ensure_searchable(&design::camera(&search.design)?, search)
+                search::locks(&design::camera(&search.design)?, search).map(drop)
             }
             Self::Sweep(wanted) => {
                 sweep::set(&wanted.set)?;

@@ -1,7 +1,7 @@
 //! Heavy work of the studio: the page asks over a WebSocket, the library works with all processors.
 //!
 //! The experiments are those of the command: a table is that of `smalti train`, a capture that of `smalti simulate`, a search that of `smalti design`, a
-//! report that of `smalti compare`. The page sends designs and names of scenes; no message names a file.
+//! report that of `smalti compare`, a sweep scores a design over light and deviations of its filters. The page sends designs and names of scenes; no message names a file.
 
 mod capture;
 mod design;

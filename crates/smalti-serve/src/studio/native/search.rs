@@ -37,7 +37,6 @@ struct Kept {
 /// Searches all mosaics of the tile, and the filters for each from many starts.
 pub(super) fn search(native: &Native, wanted: &Search, watch: &Watch) -> Result<Found, JobError> {
     let camera = camera(&wanted.design)?;
-    ensure_searchable(&camera, wanted)?;
     let kept = kept(&camera, locks(&camera, wanted)?);
     let mosaic = camera.sensor.cfa.mosaic();
     let task = DesignTask {
@@ -86,8 +85,8 @@ fn letter(channel: usize) -> char {
     char::from(b'a' + channel as u8)
 }
 
-/// Checks that the filters and cells that stay are those of the array, and that its channels have letters.
-pub(super) fn ensure_searchable(camera: &Camera, wanted: &Search) -> Result<(), JobError> {
+/// What stays of an array whose channels all have letters in a task.
+pub(super) fn locks(camera: &Camera, wanted: &Search) -> Result<Locks, JobError> {
     let channels = camera.sensor.cfa.channels().len();
     if channels > MOST_CHANNELS {
         let message = format!(
@@ -95,10 +94,6 @@ pub(super) fn ensure_searchable(camera: &Camera, wanted: &Search) -> Result<(), 
         );
         return Err(JobError::Wrong(message));
     }
-    locks(camera, wanted).map(drop)
-}
-
-fn locks(camera: &Camera, wanted: &Search) -> Result<Locks, JobError> {
     let Search { filters, cells, mosaic, .. } = wanted;
     let locks = LiveLocks { filters: filters.clone(), cells: cells.clone(), mosaic: *mosaic };
     Ok(locks.of(camera)?)
