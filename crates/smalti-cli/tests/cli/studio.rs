@@ -176,15 +176,14 @@ fn a_browser_is_led_to_the_page_by_a_private_file() {
     while !place.path("called").exists() && begun.elapsed() < Duration::from_secs(30) {
         std::thread::sleep(Duration::from_millis(20));
     }
-    let called = fs::read_to_string(place.path("called"));
-    let file = called.as_ref().map(fs::read_to_string);
-    let mode = called.as_ref().map(|path| fs::metadata(path).unwrap().permissions().mode() & 0o777);
+    let called = fs::read_to_string(place.path("called")).unwrap_or_default();
+    let (text, about) = (fs::read_to_string(&called), fs::metadata(&called));
     child.kill().unwrap();
     child.wait().unwrap();
-    let (called, address) = (called.unwrap(), address.trim());
+    let address = address.trim();
     let token = address.trim_end_matches('/').rsplit('/').next().unwrap();
     assert_eq!(token.len(), 32, "{address}");
     assert!(called.starts_with(place.path("tmp").to_str().unwrap()) && !called.contains(token), "{called}");
-    assert!(file.unwrap().unwrap().contains(&format!("url={address}\"")));
-    assert_eq!(mode.unwrap(), 0o600);
+    assert!(text.unwrap().contains(&format!("url={address}\"")));
+    assert_eq!(about.unwrap().permissions().mode() & 0o777, 0o600);
 }

@@ -54,7 +54,7 @@ impl Beyond {
         let mut filters = BTreeMap::new();
         if let PatternDescription::Name(name) = &array.pattern {
             for (letter, name) in cfa::default_filters(name).map_err(CameraError::from)? {
-                filters.extend(stated(&Filter::Builtin(name.into())).map(|s| (letter.to_string(), s)));
+                filters.extend(stated(&Filter::Builtin(name)).map(|s| (letter.to_string(), s)));
             }
         }
         for (letter, filter) in &array.filters {
