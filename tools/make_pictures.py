@@ -285,8 +285,20 @@ def page_of_comparison(work):
 
 def studio(work):
     """The page of the studio, on a wide window and on a phone, in light and dark colours."""
-    subprocess.run(["node", ROOT / "tools/page/studio-pictures.mjs", sys.argv[1], work], check=True)
-    for made in sorted(work.glob("studio*.png")):
+    pages("studio", work)
+
+
+def rate(work):
+    """The page of a rating experiment: a pair and the display check, on a wide window and on a phone, in light and dark colours."""
+    scenes = ["--scene", "natural-table", "--scene", "photo-fig"]
+    smalti("rate", "init", "bayer", "rgbw", "--processing", "bilinear", "--luminance", "1", *scenes, "-q", "-o", work / "experiment")
+    pages("rate", work, work / "experiment")
+
+
+def pages(name, work, *more):
+    """Screenshots by the script of a page, named after it."""
+    subprocess.run(["node", ROOT / f"tools/page/{name}-pictures.mjs", sys.argv[1], work, *more], check=True)
+    for made in sorted(work.glob(f"{name}*.png")):
         Image.open(made).convert("RGB").save(OUT / f"{made.stem}.webp", quality=86, method=6)
         print(f"{OUT / made.stem}.webp: {(OUT / f'{made.stem}.webp').stat().st_size / 1e3:.0f} kB")
 
@@ -296,7 +308,7 @@ def screenshot(page, name, *how):
     print(f"{OUT / name}: {(OUT / name).stat().st_size / 1e3:.0f} kB")
 
 
-PICTURES = [stages, contact_sheet, cfa_sheet, own_camera, low_light, learned, raw_file, studies, learned_study, page_of_comparison, studio]
+PICTURES = [stages, contact_sheet, cfa_sheet, own_camera, low_light, learned, raw_file, studies, learned_study, page_of_comparison, studio, rate]
 
 
 def main():

@@ -6,13 +6,13 @@ import { createRequire } from "node:module";
 import { chromium } from "playwright-core";
 
 const require = createRequire(import.meta.url);
-const axeSource = await readFile(require.resolve("axe-core/axe.min.js"), "utf8");
+export const axeSource = await readFile(require.resolve("axe-core/axe.min.js"), "utf8");
 const executablePath = process.env.SMALTI_CHROMIUM ?? ["/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"].find((p) => existsSync(p));
 
-// `options` are those of Playwright's launch.
-export function launch(options = {}) {
+// `options` are those of Playwright's launch; `more` are further arguments of the browser.
+export function launch(options = {}, more = []) {
   if (!executablePath) throw new Error("no Chromium: install Debian's chromium or set SMALTI_CHROMIUM");
-  const args = ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync"];
+  const args = ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync", ...more];
   return chromium.launch({ executablePath, args, ...options });
 }
 

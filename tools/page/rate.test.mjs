@@ -7,7 +7,7 @@ import { mkdtemp, readFile, readdir, rm } from "node:fs/promises";
 import { tmpdir } from "node:os";
 import { join, resolve } from "node:path";
 import { after, before, test } from "node:test";
-import { axe, launch } from "./browser.mjs";
+import { axe, axeSource, launch } from "./browser.mjs";
 
 const smalti = resolve(process.env.SMALTI ?? join(import.meta.dirname, "../../target/debug/smalti"));
 const TRAINING = 2;
@@ -45,9 +45,10 @@ after(async () => {
   await rm(dir, { recursive: true, force: true });
 });
 
+const SECRET = "0123456789abcdef0123456789abcdef";
 // A browser of its own, as another person has. Faults are errors, violations of the policy and requests elsewhere; while the server is away, requests fail.
-async function open(options = {}, allowed = /never/) {
-  const context = await browser.newContext({ viewport: { width: 1440, height: 900 }, ...options });
+async function open(options = {}, allowed = /never/, own = browser) {
+  const context = await own.newContext({ viewport: { width: 1440, height: 900 }, ...options });
   const page = await context.newPage();
   const faults = [];
   page.on("console", (m) => { if (["error", "warning"].includes(m.type()) && !allowed.test(m.text())) faults.push(`console: ${m.text()}`); });
@@ -68,7 +69,7 @@ async function join_(page) {
 async function judge(page, most = Infinity, choose = async (p) => p.keyboard.press("ArrowLeft")) {
   const screens = [];
   for (let judged = 0; ;) {
-    await page.locator("#pause:visible, #done:visible, #left:not([aria-disabled=true])").first().waitFor();
+    await page.locator("#pause:visible, #done:visible, #left:not([aria-disabled=true]), #look:not([data-done]):visible").first().waitFor();
     if (await page.locator("#done").isVisible()) return screens;
     if (await page.locator("#pause").isVisible()) {
       screens.push(await heading(page));
@@ -99,7 +100,7 @@ test("three observers judge at the same time, the server is killed in between, a
   await kill(server);
   // An answer while the server is away waits for it.
   await all[0].page.keyboard.press("ArrowRight");
-  await all[0].page.getByText("The server does not answer.").waitFor();
+  await all[0].page.getByText("The server is not available").waitFor();
   const { address } = server;
   server = await serve();
   assert.equal(server.address, address);
@@ -128,6 +129,11 @@ test("an observer who reloads the page goes on, and another one begins anew", as
   await page.reload();
   await page.locator("#pause").waitFor();
   assert.equal(await heading(page), "Welcome back");
+  // Somebody else may sit here now; nothing of the answers so far is lost.
+  await page.getByRole("button", { name: "I am another observer" }).click();
+  await page.getByRole("heading", { name: "Who is taking part?" }).waitFor();
+  await page.getByRole("button", { name: `(3 of ${PAIRS} pairs judged)` }).click();
+  await page.locator("#pause").waitFor();
   await judge(page);
   await page.getByRole("button", { name: "Begin as another observer" }).click();
   await page.getByRole("heading", { name: "Which picture is closer to the reference?" }).waitFor();
@@ -137,12 +143,97 @@ test("an observer who reloads the page goes on, and another one begins anew", as
   await close();
 });
 
+test("windows of one browser are different observers, unless one chooses to continue as another who has left", async () => {
+  const context = await browser.newContext({ viewport: { width: 1440, height: 900 } });
+  const window_ = async (opened = context.newPage()) => {
+    const page = await opened;
+    if (page.url() === "about:blank") await page.goto(server.address);
+    await page.locator("h1:visible").waitFor();
+    return page;
+  };
+  const observer = async (page) => Number((await page.locator("#place").textContent()).match(/Observer (\d+)/)[1]);
+  const first = await window_();
+  await join_(first);
+  await judge(first, 3);
+  // A second window while the first is open: another observer, without being asked.
+  const second = await window_();
+  assert.equal(await heading(second), "Which picture is closer to the reference?");
+  await join_(second);
+  await judge(second, 1);
+  const [one, two] = [await observer(first), await observer(second)];
+  assert.equal(two, one + 1);
+  await judge(first, 1);
+  const given = (await answers()).filter((l) => [one, two].includes(l[0].number)).map((l) => l.filter((x) => x.kind === "answer").length);
+  assert.deepEqual(given, [4, 1]);
+  // A duplicated window has the memory of the first one, whose observer it must not become.
+  const opening = context.waitForEvent("page");
+  await first.evaluate(() => { window.open(location.href); });
+  const duplicate = await opening;
+  await duplicate.getByRole("heading", { name: "Which picture is closer to the reference?" }).waitFor();
+  await duplicate.close();
+  // The first window is closed: a new one may continue there, but not as the observer of the second window.
+  await first.close();
+  const third = await window_();
+  assert.equal(await heading(third), "Who is taking part?");
+  assert.deepEqual(await third.locator("#earlier button").allTextContents(), [`Continue as observer ${one} (4 of ${PAIRS} pairs judged)`]);
+  assert.deepEqual(await axe(third), []);
+  await third.locator("#earlier button").click();
+  await third.locator("#pause").waitFor();
+  assert.equal(await heading(third), "Welcome back");
+  await judge(third, 1);
+  assert.equal(await observer(third), one);
+  // Whoever begins anew there is another observer, and the one before can still continue.
+  await third.close();
+  const fourth = await window_();
+  await fourth.getByRole("button", { name: "Begin as a new observer" }).click();
+  await join_(fourth);
+  await judge(fourth, 0);
+  assert.equal(await observer(fourth), two + 1);
+  await context.close();
+});
+
+test("a server that fails, such as on a full disk, and replies that are lost cost neither an answer nor an observer", async () => {
+  const { page, close } = await open({}, /Failed to load resource|ERR_FAILED/);
+  const before = (await answers()).length;
+  // The first request to take part is served, and its reply lost; the second one fails on the server.
+  let joins = 0;
+  await page.route("**/api/observers", async (route) => {
+    joins += 1;
+    if (joins === 1) {
+      await route.fetch();
+      await route.abort();
+    } else if (joins === 2) await route.fulfill({ status: 500, body: "the server cannot store or read this" });
+    else await route.continue();
+  });
+  await join_(page);
+  assert.equal(joins, 3);
+  assert.equal((await answers()).length, before + 1, "one observer");
+  let answered = 0;
+  await page.route("**/api/answer", async (route) => {
+    answered += 1;
+    if (answered === 1) await route.fulfill({ status: 500, body: "the server cannot store or read this" });
+    else if (answered === 2) {
+      await route.fetch();
+      await route.abort();
+    } else await route.continue();
+  });
+  await judge(page, 0);
+  await page.waitForTimeout(270);
+  await page.keyboard.press("ArrowRight");
+  await page.getByText("The server is not available").waitFor();
+  await page.waitForFunction(() => document.getElementById("count").textContent.startsWith("2 of"));
+  assert.equal(await page.locator("#trouble").textContent(), "");
+  assert.equal(answered, 3);
+  assert.deepEqual((await answers()).at(-1).filter((l) => l.kind === "answer").map((l) => l.choice), ["right"]);
+  await close();
+});
+
 test("nobody learns of the answers of others, and wrong requests are refused", async () => {
   const { page, close } = await open();
   await join_(page);
   await judge(page, 1);
   const origin = new URL(server.address).origin;
-  const secret = await page.evaluate(() => Object.entries(localStorage).find(([k]) => k.startsWith("smalti-observer"))[1]);
+  const secret = await page.evaluate(() => Object.entries(sessionStorage).find(([k]) => k.startsWith("smalti-observer"))[1]);
   const ask = async (path, options = {}, base = server.address) => {
     const response = await fetch(base + path, { ...options, headers: { Authorization: `Bearer ${secret}`, Origin: origin, ...options.headers } });
     return [response.status, await response.text(), response.headers];
@@ -151,7 +242,7 @@ test("nobody learns of the answers of others, and wrong requests are refused", a
   // The state has numbers alone: neither conditions nor roles nor anything of others.
   const [ok, state, headers] = await ask("api/pair");
   assert.equal(ok, 200);
-  assert.deepEqual(Object.keys(JSON.parse(state)).sort(), ["cols", "done", "number", "pairs", "rows", "training"]);
+  assert.deepEqual(Object.keys(JSON.parse(state)).sort(), ["cols", "done", "number", "observer", "pairs", "rows", "training"]);
   assert.match(headers.get("content-security-policy"), /default-src 'none'.*frame-ancestors 'none'/);
   assert.equal(headers.get("cross-origin-resource-policy"), "same-origin");
   const { number } = JSON.parse(state);
@@ -176,8 +267,9 @@ test("nobody learns of the answers of others, and wrong requests are refused", a
     [400, await post("api/answer", JSON.stringify({ number, choice: "both", response_ms: 1 }))],
     [400, await post("api/answer", JSON.stringify({ number, choice: "left", response_ms: 1, role: "trap" }))],
     [400, await post("api/answer", answer, { "Content-Type": "text/plain" })],
-    [400, await post("api/observers", JSON.stringify({ consent: false, display: { device_pixel_ratio: 1, screen_px: [1, 1] } }))],
-    [400, await post("api/observers", JSON.stringify({ consent: true, display: { device_pixel_ratio: 1e9, screen_px: [1, 1] } }))],
+    [400, await post("api/observers", JSON.stringify({ consent: false, secret: SECRET, display: { device_pixel_ratio: 1, screen_px: [1, 1] } }))],
+    [400, await post("api/observers", JSON.stringify({ consent: true, secret: "guess", display: { device_pixel_ratio: 1, screen_px: [1, 1] } }))],
+    [400, await post("api/observers", JSON.stringify({ consent: true, secret: SECRET, display: { device_pixel_ratio: 1e9, screen_px: [1, 1] } }))],
     [405, await ask("api/answer")],
   ];
   for (const [i, [status, [got, text]]] of expected.entries()) assert.equal(got, status, `request ${i}: ${text}`);
@@ -217,9 +309,48 @@ test("pictures are shown pixel by pixel, and a browser that scales them warns", 
   const plain = await shown({});
   assert.equal(plain.warning, "");
   assert.deepEqual(plain.sizes, [[1, 1], [1, 1], [1, 1]]);
-  assert.match((await shown({ deviceScaleFactor: 1.5 })).warning, /scales pictures: 1\.5 pixels/);
+  assert.match((await shown({ deviceScaleFactor: 1.5 })).warning, /resamples pictures: .* as 1\.5 × 1\.5 pixels/);
   assert.match((await shown({ deviceScaleFactor: 2 })).warning, /2 × 2 pixels/);
 });
+
+// Rows of the screen in device pixels, from the middle column of the canvas: from left of the square, where all rows are lines.
+async function linesOf(page) {
+  const shot = (await page.screenshot()).toString("base64");
+  return page.evaluate(async (data) => {
+    const bytes = Uint8Array.from(atob(data), (c) => c.charCodeAt(0));
+    const image = await createImageBitmap(new Blob([bytes], { type: "image/png" }));
+    const canvas = document.getElementById("lines");
+    const box = canvas.getBoundingClientRect();
+    const copy = new OffscreenCanvas(image.width, image.height).getContext("2d");
+    copy.drawImage(image, 0, 0);
+    const x = Math.round((box.left + box.width / 8) * devicePixelRatio);
+    const [top, bottom] = [box.top, box.bottom].map((y) => Math.round(y * devicePixelRatio));
+    const { data: pixels } = copy.getImageData(x, top + 2, 1, bottom - top - 4);
+    return { levels: Array.from({ length: bottom - top - 4 }, (_, i) => pixels[4 * i]), css: [box.width, box.height], scroll: document.documentElement.scrollWidth - innerWidth };
+  }, shot);
+}
+
+for (const [ratio, width, height] of [[1, 1440, 900], [1.25, 1440, 900], [1.5, 1440, 900], [1.75, 1433, 911], [2, 1440, 900], [3, 390, 1400], [2.625, 412, 1400]]) {
+  test(`the lines of the gamma check are one device pixel each at a ratio of ${ratio}`, async () => {
+    // A screen of this ratio, which the browser does not emulate by scaling what it has drawn.
+    const own = await launch({}, [`--force-device-scale-factor=${ratio}`, `--window-size=${width},${height}`]);
+    const { page, faults } = await open({ viewport: null }, /never/, own);
+    assert.equal(await page.evaluate(() => devicePixelRatio), ratio);
+    await page.getByLabel("I have read").check();
+    await page.getByRole("button", { name: "Continue" }).click();
+    await page.locator("#lines").scrollIntoViewIfNeeded();
+    await page.waitForFunction(() => document.getElementById("lines").width > 200);
+    const { levels, css, scroll } = await linesOf(page);
+    assert.deepEqual(css.map((v) => Math.round(1000 * v) / 1000), [240, 160]);
+    assert.ok(scroll <= 0, `wider by ${scroll} px`);
+    assert.ok(levels.length > 150 * ratio);
+    const first = levels[0];
+    assert.ok(first === 0 || first === 255, `level ${first}`);
+    for (const [i, level] of levels.entries()) assert.equal(level, i % 2 === 0 ? first : 255 - first, `row ${i}`);
+    assert.deepEqual(faults, []);
+    await own.close();
+  });
+}
 
 test("where three pictures do not fit, they are shown one after the other in one place", async () => {
   const { page, faults, close } = await open({ viewport: { width: 390, height: 844 } });
@@ -238,6 +369,42 @@ test("where three pictures do not fit, they are shown one after the other in one
   await close();
 });
 
+test("where pictures are shown one after the other, an answer counts once both were shown", async () => {
+  const { page, faults, close } = await open({ viewport: { width: 390, height: 844 } });
+  await join_(page);
+  await page.locator("#go-on").click();
+  const count = page.locator("#count");
+  const press = async () => {
+    await page.waitForTimeout(300);
+    await page.keyboard.press("ArrowLeft");
+    await page.locator("#left").dispatchEvent("click");
+    await page.waitForTimeout(100);
+  };
+  for (const pair of [1, 2]) {
+    await page.waitForFunction((p) => document.querySelector("figure[data-side=reference] img").complete && document.getElementById("count").textContent.startsWith(`${p} of`), pair);
+    await page.locator("figure[data-side=reference] img:not([data-waits])").waitFor();
+    await press();
+    assert.match(await count.textContent(), new RegExp(`^${pair} of`), "the reference alone was shown");
+    await page.getByRole("button", { name: "A", exact: true }).click();
+    await press();
+    assert.match(await count.textContent(), new RegExp(`^${pair} of`), "A alone was shown");
+    assert.equal(await page.locator("#left").getAttribute("aria-disabled"), "true");
+    assert.ok(await page.getByText("Look at A and at B before you answer.").isVisible());
+    await page.getByRole("button", { name: "B", exact: true }).click();
+    assert.equal(await page.locator("#left").getAttribute("aria-disabled"), "false");
+    assert.ok(!(await page.getByText("Look at A and at B before you answer.").isVisible()));
+    await page.waitForTimeout(300);
+    await page.keyboard.press("ArrowLeft");
+    if (pair === 1) await page.waitForFunction(() => document.getElementById("count").textContent.startsWith("2 of"));
+  }
+  // In a window that is wide enough again all pictures are shown, and an answer counts at once.
+  await page.locator("#go-on").click();
+  await page.setViewportSize({ width: 1440, height: 900 });
+  await page.locator("#left:not([aria-disabled=true])").waitFor();
+  assert.deepEqual(faults, []);
+  await close();
+});
+
 test("nothing on the page moves from pair to pair", async () => {
   const { page, close } = await open();
   await join_(page);
@@ -249,14 +416,56 @@ test("nothing on the page moves from pair to pair", async () => {
   await close();
 });
 
+// What axe-core leaves to people: texts below WCAG AA against what lies behind them, and controls whose border has less than 3:1.
+async function faint(page) {
+  await page.evaluate(axeSource);
+  return page.evaluate(async () => {
+    const { incomplete } = await window.axe.run({ runOnly: ["color-contrast"] });
+    const channels = (color) => (color.match(/[\d.]+/g) ?? []).map(Number);
+    const isClear = (color) => channels(color).length === 4 && channels(color)[3] === 0;
+    const luminance = (color) => {
+      const [r, g, b] = channels(color).map((v) => (v / 255 <= 0.04045 ? v / 255 / 12.92 : ((v / 255 + 0.055) / 1.055) ** 2.4));
+      return 0.2126 * r + 0.7152 * g + 0.0722 * b;
+    };
+    const ratio = (a, b) => {
+      const [low, high] = [luminance(a), luminance(b)].sort((x, y) => x - y);
+      return (high + 0.05) / (low + 0.05);
+    };
+    const behind = (element) => {
+      for (let e = element.parentElement; e; e = e.parentElement) {
+        const { backgroundColor } = getComputedStyle(e);
+        if (!isClear(backgroundColor)) return backgroundColor;
+      }
+      return "rgb(255, 255, 255)";
+    };
+    // Undecided are signs such as arrows, whose ratio is computed here, and whatever lies on a picture or a gradient, of which there is none.
+    const undecided = incomplete.flatMap((v) => v.nodes).flatMap((n) => {
+      const element = document.querySelector(n.target[0]);
+      const { color, backgroundColor } = getComputedStyle(element);
+      const isSign = n.any.some((a) => a.data?.messageKey === "nonBmp");
+      const found = ratio(color, isClear(backgroundColor) ? behind(element) : backgroundColor);
+      return isSign && found >= 4.5 ? [] : [`text ${n.html.slice(0, 120)}: ${found.toFixed(2)}, ${n.any.map((a) => a.message).join("; ")}`];
+    });
+    const controls = [...document.querySelectorAll("button")].filter((b) => b.checkVisibility() && !b.disabled && b.ariaDisabled !== "true");
+    const edges = controls.flatMap((b) => {
+      const { borderTopColor, backgroundColor } = getComputedStyle(b);
+      // A control is seen by its border or by its own colour.
+      const best = Math.max(...[borderTopColor, backgroundColor].filter((c) => !isClear(c)).map((c) => ratio(c, behind(b))));
+      return best < 3 ? [`border of ${b.textContent}: ${best.toFixed(2)}`] : [];
+    });
+    return [...undecided, ...edges];
+  });
+}
+
 for (const colorScheme of ["light", "dark"]) {
-  for (const [width, height] of [[360, 800], [390, 844], [1440, 900], [3840, 2160]]) {
-    test(`every screen is accessible and never wider than ${width} px in ${colorScheme}`, async () => {
-      const { page, faults, close } = await open({ colorScheme, viewport: { width, height } });
+  for (const [width, height, ratio] of [[360, 800, 1], [390, 844, 1], [390, 844, 3], [1440, 900, 1], [1440, 900, 1.5], [1440, 900, 2], [3840, 2160, 1]]) {
+    test(`every screen is accessible and never wider than ${width} px in ${colorScheme} at a ratio of ${ratio}`, async () => {
+      const { page, faults, close } = await open({ colorScheme, viewport: { width, height }, deviceScaleFactor: ratio });
       const check = async (name) => {
         assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), name);
         assert.deepEqual(await axe(page), [], name);
-        if (process.env.SMALTI_PICTURES) await page.screenshot({ path: join(process.env.SMALTI_PICTURES, `rate-${name}-${width}-${colorScheme}.png`) });
+        assert.deepEqual(await faint(page), [], name);
+        if (process.env.SMALTI_PICTURES) await page.screenshot({ path: join(process.env.SMALTI_PICTURES, `rate-${name}-${width}-${ratio}-${colorScheme}.png`), fullPage: true });
       };
       await check("welcome");
       await page.getByLabel("I have read").check();
@@ -267,6 +476,7 @@ for (const colorScheme of ["light", "dark"]) {
       assert.equal(await page.evaluate(() => document.activeElement.id), "pause-title");
       await check("pause");
       await judge(page, 0);
+      await page.locator("figure[data-side=reference] img:not([data-waits])").waitFor();
       await check("pair");
       // axe.run is evaluated in the page, whose policy admits no other script.
       assert.deepEqual(faults.filter((f) => !f.includes("Content Security Policy")), []);

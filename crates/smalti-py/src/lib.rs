@@ -20,6 +20,7 @@ mod l3;
 mod metrics;
 mod photograph;
 mod pipeline;
+mod rating;
 mod raw;
 mod report;
 mod scene;
@@ -52,6 +53,7 @@ mod _smalti {
         metrics::{PyEdge, aliasing, cpsnr_db, edge_sfr, luminance_noise_percent, metrics, visual_snr},
         photograph::PyPhotograph,
         pipeline::PyPipeline,
+        rating::analyse_ratings,
         raw::PyRawImage,
         report::write_report,
         scene::{PyOpticalImage, PyScene, scenes},

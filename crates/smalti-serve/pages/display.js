@@ -1,7 +1,7 @@
 // @ts-check
-// What the page finds out about the display: size, grey, and whether the browser scales pictures.
+// What the page learns about the display: its size, its gamma, and whether the browser resamples pictures.
 
-/** The width of a bank card, mm (ISO/IEC 7810, ID-1), and its height by its width. */
+/** The width of a bank card, mm (ISO/IEC 7810, ID-1), and the ratio of its height to its width. */
 const CARD_MM = 85.6;
 const CARD_ASPECT = 53.98 / 85.6;
 /** Side of the grey square, CSS pixels. */
@@ -14,26 +14,47 @@ export function element(id, kind) {
   return found;
 }
 
-/** Words for a ratio of pixels at which pictures are not shown pixel by pixel; empty at 1. @param {number} ratio */
+/** The warning for a device pixel ratio at which pictures are not shown pixel for pixel; empty at 1. @param {number} ratio */
 export function ratioWarning(ratio) {
   if (Math.abs(ratio - 1) < 1e-3) return "";
   const shown = ratio.toFixed(2).replace(/\.?0+$/, "");
   if (Math.abs(ratio - Math.round(ratio)) < 1e-3) {
-    return `Your browser shows ${shown} × ${shown} pixels of the display for each pixel of a picture. Pictures stay sharp, but are seen larger than their pixels; if you can, set the zoom of the browser so that this ratio is 1.`;
+    return `Your browser shows each pixel of a picture as ${shown} × ${shown} pixels of the display. Pictures stay sharp but appear enlarged. If you can, change the browser’s zoom until this message disappears.`;
   }
-  return `Your browser scales pictures: ${shown} pixels of the display for each of theirs. This hides or invents detail. Set the zoom of the browser to 100 %, and the scaling of the display to a whole number, until this warning goes.`;
+  return `Your browser resamples pictures: it shows each pixel of a picture as ${shown} × ${shown} pixels of the display. This can hide detail or add artefacts. Set the browser’s zoom to 100 % and the display’s scaling to a whole number, until this message disappears.`;
 }
 
-/** The level of grey, 0 to 255, that is as bright as lines of black and white on a display with an exponent. @param {number} gamma */
+/** The level of grey, 0 to 255, that has the luminance of alternating black and white lines on a display of this gamma. @param {number} gamma */
 export function greyOf(gamma) {
   return Math.round(255 * 0.5 ** (1 / gamma));
 }
 
+/**
+ * Gives a canvas as many pixels as the device pixels that it covers, whenever their number changes, and then draws it. Only then is no line
+ * resampled: rounding the size in CSS pixels times the ratio of pixels can be one off where the browser aligns the canvas with device pixels.
+ * @param {HTMLCanvasElement} canvas @param {() => void} draw
+ */
+function fitToDevice(canvas, draw) {
+  const observer = new ResizeObserver(([entry]) => {
+    const box = entry?.devicePixelContentBoxSize?.[0];
+    const { width, height } = canvas.getBoundingClientRect();
+    // An emulated screen, as that of developer tools, is stated in CSS pixels.
+    const exact = (/** @type {number | undefined} */ stated, /** @type {number} */ about) =>
+      (stated !== undefined && Math.abs(stated - about) <= 1 ? stated : Math.round(about));
+    canvas.width = exact(box?.inlineSize, width * devicePixelRatio);
+    canvas.height = exact(box?.blockSize, height * devicePixelRatio);
+    draw();
+  });
+  try {
+    observer.observe(canvas, { box: "device-pixel-content-box" });
+  } catch {
+    // A browser that cannot tell device pixels.
+    observer.observe(canvas);
+  }
+}
+
 function drawLines(/** @type {HTMLCanvasElement} */ canvas, /** @type {number} */ gamma) {
   const ratio = devicePixelRatio || 1;
-  const [width, height] = [240, 160];
-  canvas.width = Math.round(width * ratio);
-  canvas.height = Math.round(height * ratio);
   const context = canvas.getContext("2d");
   if (!context) return;
   context.fillStyle = "#000";
@@ -75,6 +96,7 @@ export function setUpDisplay() {
   for (const input of [size, gamma, sizeSkip, gammaSkip]) input.addEventListener("input", update);
   addEventListener("resize", update);
   update();
+  fitToDevice(lines, update);
   return () => ({
     device_pixel_ratio: devicePixelRatio || 1,
     screen_px: [Math.max(1, Math.round(screen.width)), Math.max(1, Math.round(screen.height))],

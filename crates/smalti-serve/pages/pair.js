@@ -1,12 +1,14 @@
 // @ts-check
-// A pair of pictures beside the reference, or one after the other where the window is too narrow for three.
+// A pair of pictures beside the reference, or one after the other where the window is too narrow for three. An answer counts once both were shown.
 import { element } from "./display.js";
 
-/** Milliseconds for which pictures are seen before an answer counts. */
+/** Milliseconds for which both pictures have been shown before an answer counts. */
 const LEAST_MS = 250;
 /** CSS pixels beside three pictures. */
 const BESIDE = 110;
 const SIDES = /** @type {const} */ (["left", "reference", "right"]);
+/** The sides that are compared. */
+const COMPARED = /** @type {const} */ (["left", "right"]);
 
 /** @typedef {(choice: import("./server.js").Side, responseMs: number) => void} Chosen */
 
@@ -19,8 +21,13 @@ export class PairView {
     this.section.style.setProperty("--rows", String(rows));
     this.section.style.setProperty("--cols", String(cols));
     this.buttons = { left: element("left", HTMLButtonElement), right: element("right", HTMLButtonElement) };
+    this.hint = element("look", HTMLParagraphElement);
     this.isOpen = false;
+    /** When the pair was opened, and when the last of its pictures was shown. */
     this.since = 0;
+    this.completeSince = 0;
+    /** The sides shown since the pair was opened. @type {Set<string>} */
+    this.seen = new Set();
     /** @type {string[]} */
     this.urls = [];
     this.buttons.left.addEventListener("click", () => this.choose("left"));
@@ -37,6 +44,23 @@ export class PairView {
   arrange() {
     const isNarrow = document.documentElement.clientWidth < 3 * this.cols + BESIDE;
     this.section.classList.toggle("one-by-one", isNarrow);
+    this.note();
+  }
+
+  isOneByOne() { return this.section.classList.contains("one-by-one"); }
+
+  isComplete() { return COMPARED.every((side) => this.seen.has(side)); }
+
+  /** Notes which pictures are shown now, and admits answers once both have been. */
+  note() {
+    if (!this.isOpen) return;
+    const wasComplete = this.isComplete();
+    for (const side of SIDES) {
+      if (!this.isOneByOne() || this.figure(side).parentElement?.hasAttribute("data-shown")) this.seen.add(side);
+    }
+    if (!this.isComplete()) return;
+    if (!wasComplete) this.completeSince = performance.now();
+    this.enable(true);
   }
 
   /** @param {string} side */
@@ -52,11 +76,13 @@ export class PairView {
       this.figure(other).parentElement?.toggleAttribute("data-shown", other === side);
       this.section.querySelector(`button[data-view="${other}"]`)?.setAttribute("aria-pressed", String(other === side));
     }
+    this.note();
   }
 
   /** Buttons that wait keep the focus. @param {boolean} isEnabled */
   enable(isEnabled) {
     for (const button of Object.values(this.buttons)) button.setAttribute("aria-disabled", String(!isEnabled));
+    this.hint.toggleAttribute("data-done", isEnabled);
   }
 
   /** Empties the places of the pictures. They keep their size, so that nothing moves. */
@@ -84,18 +110,18 @@ export class PairView {
     }));
     before.forEach((url) => URL.revokeObjectURL(url));
     for (const side of SIDES) this.figure(side).toggleAttribute("data-waits", false);
-    this.show("reference");
-    this.enable(true);
+    this.seen.clear();
     this.isOpen = true;
     this.since = performance.now();
+    this.show("reference");
   }
 
   /** @param {import("./server.js").Side} side */
   choose(side) {
-    const responseMs = performance.now() - this.since;
-    if (!this.isOpen || responseMs < LEAST_MS) return;
+    const now = performance.now();
+    if (!this.isOpen || !this.isComplete() || now - this.completeSince < LEAST_MS) return;
     this.isOpen = false;
-    this.chosen(side, responseMs);
+    this.chosen(side, now - this.since);
   }
 
   /** @param {KeyboardEvent} event */

@@ -1,23 +1,15 @@
 // @ts-check
 // The steps of a rating: consent, display, training, pairs with breaks, the end.
 import { element, ratioWarning, setUpDisplay } from "./display.js";
+import { Observers, keep, kept, newSecret } from "./observers.js";
 import { PairView } from "./pair.js";
 import { Refused, Server } from "./server.js";
 
-/** Seconds that a pair takes, for the time that is stated. */
+/** Seconds that a pair takes, for the duration that the page states. */
 const SECONDS_PER_PAIR = 8;
-const SECTIONS = ["welcome", "display", "pause", "pair", "done"];
+const SECTIONS = ["resume", "welcome", "display", "pause", "pair", "done"];
 const root = document.documentElement;
-
-/** What the browser keeps: storage may be forbidden, and then the page must not be reloaded. @param {string} key @param {string | null} [value] */
-function kept(key, value) {
-  try {
-    if (value === undefined) return localStorage.getItem(key);
-    if (value === null) localStorage.removeItem(key);
-    else localStorage.setItem(key, value);
-  } catch { /* nothing is kept */ }
-  return null;
-}
+const ofBrowser = () => localStorage;
 
 function setUpTheme() {
   const wish = matchMedia("(prefers-color-scheme: dark)");
@@ -27,11 +19,11 @@ function setUpTheme() {
     button.textContent = isDark() ? "Light" : "Dark";
     button.setAttribute("aria-label", isDark() ? "Switch to light colours" : "Switch to dark colours");
   };
-  const before = kept("smalti-theme");
+  const before = kept(ofBrowser, "smalti-theme");
   if (before === "dark" || before === "light") root.dataset.theme = before;
   button.addEventListener("click", () => {
     root.dataset.theme = isDark() ? "light" : "dark";
-    kept("smalti-theme", root.dataset.theme);
+    keep(ofBrowser, "smalti-theme", root.dataset.theme);
     tell();
   });
   wish.addEventListener("change", tell);
@@ -63,12 +55,78 @@ async function pause(title, text) {
   element("pause-text", HTMLElement).textContent = text;
   show("pause");
   await clicked("go-on");
+  element("not-me", HTMLButtonElement).hidden = true;
 }
 
-/** @param {Server} server @param {import("./server.js").About} about @param {string} key */
-async function join(server, about, key) {
-  element("pairs", HTMLElement).textContent = `There are ${about.pairs} pairs, of which the first ${about.training} are for training.`;
-  element("minutes", HTMLElement).textContent = String(Math.max(1, Math.round((about.pairs * SECONDS_PER_PAIR) / 60)));
+/** The pair of the observer whose secret the server has; null if there is no such observer. @param {Server} server */
+async function pairOf(server) {
+  try {
+    return await server.pair();
+  } catch (error) {
+    if (error instanceof Refused && error.status === 401) return null;
+    throw error;
+  }
+}
+
+/** Asks whether somebody continues as one of the observers who began in this browser. @param {{ secret: string, pair: import("./server.js").Pair }[]} earlier */
+function chosen(earlier) {
+  return /** @type {Promise<string | null>} */ (new Promise((resolve) => {
+    const buttons = earlier.map(({ secret, pair }) => {
+      const button = document.createElement("button");
+      button.type = "button";
+      button.textContent = `Continue as observer ${pair.observer} (${pair.number} of ${pair.pairs} pairs judged)`;
+      button.addEventListener("click", () => resolve(secret));
+      return button;
+    });
+    element("earlier", HTMLElement).replaceChildren(...buttons);
+    element("anew", HTMLButtonElement).addEventListener("click", () => resolve(null), { once: true });
+    show("resume");
+  }));
+}
+
+/**
+ * Finds out who judges in this window, and gives the server the secret. After a reload it is the same observer; otherwise somebody chooses
+ * to continue as one who has not finished and is in no other window, or takes part anew.
+ * @param {Server} server @param {import("./server.js").About} about
+ */
+async function identify(server, about) {
+  const observers = new Observers(about.experiment);
+  const own = observers.current();
+  if (own !== null && await observers.take(own, true)) {
+    server.secret = own;
+    if (await pairOf(server)) return observers;
+    observers.finish(own);
+  }
+  observers.leave();
+  for (;;) {
+    const earlier = [];
+    for (const secret of observers.unfinished()) {
+      if (!(await observers.isFree(secret))) continue;
+      server.secret = secret;
+      const pair = await pairOf(server);
+      if (pair && !pair.done) earlier.push({ secret, pair });
+      else observers.finish(secret);
+    }
+    const secret = earlier.length > 0 ? await chosen(earlier) : null;
+    if (secret === null) {
+      await join(server, about, observers);
+      return observers;
+    }
+    if (await observers.take(secret, false)) {
+      observers.begin(secret);
+      server.secret = secret;
+      return observers;
+    }
+  }
+}
+
+/** @param {Server} server @param {import("./server.js").About} about @param {Observers} observers */
+async function join(server, about, observers) {
+  server.secret = "";
+  const minutes = Math.max(1, Math.round((about.pairs * SECONDS_PER_PAIR) / 60));
+  const training = about.training > 0 ? ` The first ${about.training} are for training.` : "";
+  element("pairs", HTMLElement).textContent = `There are ${about.pairs} pairs.${training}`;
+  element("minutes", HTMLElement).textContent = minutes === 1 ? "1 minute" : `${minutes} minutes`;
   const [consent, begin] = [element("consent", HTMLInputElement), element("begin", HTMLButtonElement)];
   const allow = () => { begin.disabled = !consent.checked; };
   consent.addEventListener("change", allow);
@@ -78,29 +136,40 @@ async function join(server, about, key) {
   const display = setUpDisplay();
   show("display");
   await clicked("checked");
-  const { secret } = await server.join(display());
+  const secret = newSecret();
+  await observers.take(secret, false);
+  // Kept before it is sent: should the page be reloaded before the reply comes, the observer is not another one.
+  observers.begin(secret);
+  try {
+    await server.join(secret, display());
+  } catch (error) {
+    observers.finish(secret);
+    observers.leave();
+    throw error;
+  }
   server.secret = secret;
-  kept(key, secret);
 }
 
 /** The words before a pair, if it is not shown at once. @param {import("./server.js").Pair} pair @param {number} breakEvery @param {boolean} isFirst */
 function wordsBefore(pair, breakEvery, isFirst) {
   const { number, training, pairs } = pair;
+  const back = ["Welcome back", `You have judged ${number} of ${pairs} pairs and continue where you stopped.`];
   if (number < training) {
-    return isFirst && number === 0 ? ["Training", `The first ${training} pairs show what to expect. They do not count.`] : null;
+    if (!isFirst) return null;
+    return number === 0 ? ["Training", `The first ${training} pairs show what to expect. They do not count.`] : back;
   }
-  if (number === training) return ["The rating begins", `Training is over. There are ${pairs - training} pairs.`];
+  if (number === training) return ["The rating begins", `${training > 0 ? "Training is over. " : ""}There are ${pairs - training} pairs.`];
   if ((number - training) % breakEvery === 0) {
-    return ["Take a break", `${number - training} of ${pairs - training} pairs are judged. Look into the distance for a moment, and continue when you like.`];
+    return ["Take a break", `You have judged ${number - training} of ${pairs - training} pairs. Look into the distance for a moment, and continue when you are ready.`];
   }
-  return isFirst ? ["Welcome back", `${number} pairs are judged. You continue where you were.`] : null;
+  return isFirst ? back : null;
 }
 
 /** @param {import("./server.js").Pair} pair */
-function tellPlace({ number, pairs, training }) {
+function tellPlace({ observer, number, pairs, training }) {
   const isTraining = number < training;
   const [done, all] = isTraining ? [number, training] : [number - training, pairs - training];
-  element("place", HTMLElement).textContent = isTraining ? "Training" : "";
+  element("place", HTMLElement).textContent = `Observer ${observer}${isTraining ? " · Training" : ""}`;
   const bar = element("progress", HTMLProgressElement);
   bar.max = Math.max(1, all);
   bar.value = done;
@@ -117,17 +186,19 @@ async function judge(server, about) {
   let warned = "";
   while (!pair.done) {
     const words = wordsBefore(pair, about.break_every, isFirst);
+    tellPlace(pair);
+    // Where an observer continues, it may be another person who sits here now.
+    element("not-me", HTMLButtonElement).hidden = !(isFirst && pair.number > 0);
     isFirst = false;
     if (words) await pause(words[0], words[1]);
     view.clear();
-    tellPlace(pair);
     show("pair");
     const { number } = pair;
     const [left, reference, right] = await Promise.all([
       server.picture(number, "left"), server.picture(number, "reference"), server.picture(number, "right"),
     ]);
     const warning = ratioWarning(devicePixelRatio || 1);
-    // A zoom that changes in between is told once.
+    // A zoom that changes in between is reported once.
     if (warning !== warned) trouble(warning);
     warned = warning;
     /** @type {Promise<{ choice: import("./server.js").Side, ms: number }>} */
@@ -138,7 +209,7 @@ async function judge(server, about) {
     try {
       pair = await server.answer(number, choice, ms);
     } catch (error) {
-      // Another window of this browser has answered.
+      // This pair has another answer already, from a window that this one could not know of.
       if (!(error instanceof Refused && error.status === 409)) throw error;
       pair = await server.pair();
     }
@@ -149,30 +220,25 @@ async function run() {
   setUpTheme();
   let isAway = false;
   const server = new Server((away) => {
-    if (away) trouble("The server does not answer. Your answers so far are recorded; this page goes on when it is back.");
+    if (away) trouble("The server is not available at the moment. Your answers so far are recorded, and this page continues as soon as the server is available again.");
     else if (isAway) trouble("");
     isAway = away;
   });
   const about = await server.about();
-  const key = `smalti-observer-${about.experiment}`;
-  server.secret = kept(key) ?? "";
-  if (server.secret) {
-    try {
-      await server.pair();
-    } catch (error) {
-      if (!(error instanceof Refused && error.status === 401)) throw error;
-      server.secret = "";
-    }
-  }
-  if (!server.secret) await join(server, about, key);
+  const observers = await identify(server, about);
+  const beginAnew = () => {
+    observers.leave();
+    location.reload();
+  };
+  element("not-me", HTMLButtonElement).addEventListener("click", beginAnew);
   await judge(server, about);
+  observers.finish(server.secret);
   element("place", HTMLElement).textContent = "";
   show("done");
   await clicked("another");
-  kept(key, null);
-  location.reload();
+  beginAnew();
 }
 
 run().catch((error) => {
-  trouble(error instanceof Refused ? `The server refuses this: ${error.message}.` : `This page has failed: ${error.message}. Reload it to go on.`);
+  trouble(error instanceof Refused ? `The server refuses this request: ${error.message}.` : `This page has failed: ${error.message}. Reload it to continue.`);
 });

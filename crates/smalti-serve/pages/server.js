@@ -2,7 +2,7 @@
 // Requests to the server of this page. Every path is relative, so that it stays below the token of the address.
 
 /** @typedef {{ experiment: string, pairs: number, training: number, break_every: number, rows: number, cols: number }} About */
-/** @typedef {{ number: number, pairs: number, training: number, done: boolean, rows: number, cols: number }} Pair */
+/** @typedef {{ observer: number, number: number, pairs: number, training: number, done: boolean, rows: number, cols: number }} Pair */
 /** @typedef {{ device_pixel_ratio: number, screen_px: [number, number], px_per_mm?: number, gamma?: number }} Display */
 /** @typedef {"left" | "right"} Side */
 
@@ -15,11 +15,11 @@ export class Refused extends Error {
   }
 }
 
-/** Milliseconds between tries while the server is away. */
+/** Milliseconds between attempts while the server is not available. */
 const RETRY_MS = 1000;
 
 /**
- * Sends a request, again and again while the server is away. `tell` learns whether it is.
+ * Sends a request, again and again while the server is away or fails, for example because its disk is full. `tell` learns whether it is so.
  * @param {string} path @param {RequestInit} options @param {(away: boolean) => void} tell
  * @returns {Promise<Response>}
  */
@@ -28,7 +28,8 @@ async function send(path, options, tell) {
     let response;
     try {
       response = await fetch(path, { ...options, cache: "no-store", redirect: "error" });
-    } catch {
+    } catch { /* The server is away. */ }
+    if (!response || response.status >= 500) {
       tell(true);
       await new Promise((resolve) => { setTimeout(resolve, RETRY_MS); });
       continue;
@@ -59,8 +60,11 @@ export class Server {
   /** @returns {Promise<About>} */
   about() { return this.json("api/experiment"); }
 
-  /** @param {Display} display @returns {Promise<{ number: number, secret: string }>} */
-  join(display) { return this.json("api/observers", { consent: true, display }); }
+  /**
+   * Takes part as the observer who has a secret. A request that is sent again, since its reply was lost, makes no second observer.
+   * @param {string} secret @param {Display} display @returns {Promise<{ number: number }>}
+   */
+  join(secret, display) { return this.json("api/observers", { consent: true, secret, display }); }
 
   /** @returns {Promise<Pair>} */
   pair() { return this.json("api/pair"); }

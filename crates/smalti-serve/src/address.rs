@@ -21,8 +21,13 @@ impl Address {
     /// Whether the token is one that [`LocalServer::bind`](crate::LocalServer::bind) makes.
     #[must_use]
     pub fn is_valid(&self) -> bool {
-        self.token.len() == 2 * TOKEN_BYTES && self.token.bytes().all(|b| b.is_ascii_hexdigit())
+        is_token(&self.token)
     }
+}
+
+/// Whether a text has the form of [`random_token`].
+pub(crate) fn is_token(text: &str) -> bool {
+    text.len() == 2 * TOKEN_BYTES && text.bytes().all(|b| b.is_ascii_hexdigit())
 }
 
 /// Random bytes as hexadecimal digits.

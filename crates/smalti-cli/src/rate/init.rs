@@ -25,8 +25,8 @@ use crate::resolve;
     smalti rate init --experiment bayer-light -o light\n\n\
     Every camera with every processing at every luminance is a condition, and any two conditions of a scene are compared. With --stops, \
     the first camera is shown in several amounts of light, each against the second one at the stated luminance; the exposure time stays.\n\n\
-    All pictures of a scene have the same crop. White of each picture is that of its reference, so that pictures differ in noise, detail and \
-    colour and not in brightness. Metrics are those of the cropped pictures.\n\n\
+    All pictures of a scene have the same crop, and each is scaled such that its white has the luminance of the reference's white. Pictures therefore \
+    differ in noise, detail and colour but not in brightness. Metrics are those of the cropped pictures.\n\n\
     Output files: pictures/, PNG in sRGB; and experiment.json with the gain, the exposure time and the metrics of each, which is written \
     last, so a folder that contains it is complete.")]
 pub(crate) struct Init {

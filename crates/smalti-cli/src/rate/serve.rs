@@ -13,9 +13,10 @@ use crate::output::note;
 #[command(after_help = "Examples:\n  \
     smalti rate serve trial\n  \
     smalti rate serve trial --port 8080\n\n\
-    The address has a token and answers to browsers of this machine alone. Several observers may use it at the same time, each in a \
-    browser window of their own or one after another; none can see the answers of others. Every answer is on the disk before the next pair is \
-    shown. After Ctrl-C or a crash, the same command has the same address, and observers go on where they were.")]
+    The address contains a token, and the server answers only browsers on this machine. Several observers may take part at the same time, each in a \
+    window of their own, or one after another: a new window asks for a new observer. Nobody can see the answers of others. Every answer is on the disk \
+    before the next pair is shown. After Ctrl-C or a crash, the same command serves the same address, and open pages continue. Somebody whose window was \
+    closed opens the address again and chooses to continue as the observer who began there.")]
 pub(crate) struct Serve {
     /// Folder of an experiment (smalti rate init)
     pub(crate) folder: PathBuf,

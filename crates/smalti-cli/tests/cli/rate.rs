@@ -79,6 +79,25 @@ fn a_scale_is_recovered_from_the_answers() {
     assert!(agreement[0]["agreement"]["spearman"]["value"].as_f64().unwrap() > 0.5, "{agreement:?}");
     let csv = String::from_utf8(place.read("trial/analysis/scale.csv")).unwrap();
     assert_eq!(csv.lines().count(), 1 + 3 * 4);
+    let csv = String::from_utf8(place.read("trial/analysis/agreement.csv")).unwrap();
+    let mut lines = csv.lines();
+    assert_eq!(
+        lines.next(),
+        Some("metric,spearman,spearman_low,spearman_high,kendall,kendall_low,kendall_high,scenes,conditions")
+    );
+    for (line, metric) in lines.zip(agreement) {
+        let of = &metric["agreement"];
+        let mut expected = vec![metric["metric"].to_string()];
+        for which in ["spearman", "kendall"] {
+            let (value, interval) = (&of[which]["value"], &of[which]["interval"]);
+            expected.extend(
+                [value, &interval["low"], &interval["high"]].map(|v| v.as_f64().unwrap().to_string()),
+            );
+        }
+        expected.extend([of["scenes"].to_string(), "4".into()]);
+        assert_eq!(line, expected.join(","));
+    }
+    assert_eq!(csv.lines().count(), 1 + 7);
     let answers = String::from_utf8(place.read("trial/analysis/answers.csv")).unwrap();
     assert_eq!(answers.lines().count(), 1 + 8 * 32);
     let text = place.ok("rate analyse trial --keep-all");
@@ -133,6 +152,29 @@ fn the_light_of_equal_appearance_is_recovered() {
     let interval = &fit["equality"]["interval"];
     let (low, high) = (interval["low"].as_f64().unwrap(), interval["high"].as_f64().unwrap());
     assert!(low < 0.4 && 0.4 < high && high - low < 0.6, "{fit}");
+    let csv = String::from_utf8(place.read("light/analysis/light.csv")).unwrap();
+    let cells: Vec<Vec<&str>> = csv.lines().map(|line| line.split(',').collect()).collect();
+    let cell = |name: &str| cells[1][cells[0].iter().position(|n| *n == name).unwrap()];
+    assert_eq!(cells.len(), 2);
+    assert_eq!(
+        [
+            cell("varied"),
+            cell("standard"),
+            cell("is_within"),
+            cell("scenes"),
+            cell("observers"),
+            cell("answers")
+        ],
+        ["\"bayer bilinear\"", "\"rgbw bilinear at 20 cd/m²\"", "true", "2", "10", "410"]
+    );
+    assert_eq!(cell("equality_stops").parse::<f64>().unwrap(), fit["equality"]["value"].as_f64().unwrap());
+    assert_eq!(
+        ["equality_stops_low", "equality_stops_high"].map(|name| cell(name).parse::<f64>().unwrap()),
+        [low, high]
+    );
+    let csv = String::from_utf8(place.read("light/analysis/levels.csv")).unwrap();
+    assert_eq!((csv.lines().next(), csv.lines().count()), (Some("stops,preferred,asked"), 1 + 6));
+    assert!(!place.names("light/analysis").iter().any(|name| name == "scale.csv"));
     let text = place.ok("rate analyse light --keep-all");
     assert!(text.contains("bayer bilinear needs 0.") && text.contains("stops more light ["), "{text}");
     assert!(

@@ -33,7 +33,7 @@ pub struct Display {
     /// CSS pixels per millimetre, by the width of a bank card; absent if the observer skipped the comparison.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub px_per_mm: Option<f64>,
-    /// The exponent of the display, by the grey that equals a pattern of black and white lines; absent if skipped.
+    /// The gamma of the display, by the grey that matches a pattern of black and white lines; absent if the observer skipped the match.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub gamma: Option<f64>,
 }
@@ -73,6 +73,15 @@ enum Line {
     Shown { number: usize, trial: Trial, unix_s: u64 },
     /// An answer.
     Answer { number: usize, choice: Side, response_ms: u64, unix_s: u64 },
+}
+
+impl Line {
+    /// The line with its end.
+    fn text(&self, path: &Path) -> Result<Vec<u8>, IoError> {
+        let mut text = serde_json::to_vec(self).map_err(|e| IoError::decode(path, "JSON", e))?;
+        text.push(b'\n');
+        Ok(text)
+    }
 }
 
 /// The hash of the secret of an observer.
@@ -151,15 +160,15 @@ impl AnswerFolder {
         let open = |path: &PathBuf| {
             let (observer, length) = parse(path, manifest)?;
             let io = IoError::writing(path);
-            let mut file = OpenOptions::new().write(true).open(path).map_err(io)?;
+            let file = OpenOptions::new().write(true).open(path).map_err(io)?;
             file.set_len(length).map_err(io)?;
-            file.seek(SeekFrom::End(0)).map_err(io)?;
-            Ok((observer, AnswerFile { file, path: path.clone() }))
+            Ok((observer, AnswerFile::open(path.clone())?))
         };
         paths(&self.dir)?.iter().map(open).collect()
     }
 
-    /// Begins the file of an observer. Consent was given.
+    /// Begins the file of an observer. Consent was given. The file has its name only once its first line is on the disk, so that a full
+    /// disk or a crash leaves no file without an observer.
     ///
     /// # Errors
     /// When the file exists or cannot be written.
@@ -172,13 +181,10 @@ impl AnswerFolder {
     ) -> Result<(Observer, AnswerFile), IoError> {
         let path = self.dir.join(format!("observer-{number:04}.jsonl"));
         let io = IoError::writing(&path);
-        let file = OpenOptions::new().write(true).create_new(true).open(&path).map_err(io)?;
-        // The name of a new file is durable once its folder is.
-        if let Ok(folder) = File::open(&self.dir) {
-            let _ = folder.sync_all();
+        if path.exists() {
+            return Err(io(io::ErrorKind::AlreadyExists.into()));
         }
-        let mut own = AnswerFile { file, path: path.clone() };
-        own.append(&Line::Observer {
+        let first = Line::Observer {
             version: VERSION,
             smalti_version: env!("CARGO_PKG_VERSION").into(),
             experiment: manifest.id.clone(),
@@ -187,7 +193,13 @@ impl AnswerFolder {
             consent: true,
             display: display.clone(),
             unix_s: unix_s(),
-        })?;
+        };
+        write::durable(&path, &first.text(&path)?)?;
+        // The name of a new file is durable once its folder is.
+        if let Ok(folder) = File::open(&self.dir) {
+            let _ = folder.sync_all();
+        }
+        let own = AnswerFile::open(path)?;
         let (display, secret_blake3) = (display.clone(), secret_blake3.to_owned());
         Ok((Observer { number, display, trials: Vec::new(), secret_blake3 }, own))
     }
@@ -201,10 +213,17 @@ pub struct AnswerFile {
 }
 
 impl AnswerFile {
+    /// Opens the file of an observer for further lines.
+    fn open(path: PathBuf) -> Result<Self, IoError> {
+        let io = IoError::writing(&path);
+        let mut file = OpenOptions::new().write(true).open(&path).map_err(io)?;
+        file.seek(SeekFrom::End(0)).map_err(io)?;
+        Ok(Self { file, path })
+    }
+
     fn append(&mut self, line: &Line) -> Result<(), IoError> {
         let io = IoError::writing(&self.path);
-        let mut text = serde_json::to_vec(line).map_err(|e| IoError::decode(&self.path, "JSON", e))?;
-        text.push(b'\n');
+        let text = line.text(&self.path)?;
         let before = self.file.stream_position().map_err(io)?;
         let written = self.file.write_all(&text).and_then(|()| self.file.sync_data());
         written.map_err(|e| {

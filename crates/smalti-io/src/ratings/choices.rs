@@ -1,9 +1,12 @@
 //! The answers of observers as counts of choices.
 
-use smalti::rating::{Counts, Level, ObserverChoices, Question, Role, Shown, Side};
+use std::collections::BTreeSet;
+
+use smalti::experiment::{AnsweredCondition, AnsweredObserver, RatingAnswers};
+use smalti::rating::{Counts, ObserverChoices, Role, Shown, Side};
 
 use super::answers::{Answered, Observer};
-use super::manifest::Manifest;
+use super::manifest::{Condition, Manifest, SceneFiles};
 
 /// The preferred and the other picture of an answered pair.
 fn preferred(answered: &Answered) -> Option<(Shown, Shown)> {
@@ -48,14 +51,39 @@ pub fn choices(manifest: &Manifest, observer: &Observer) -> ObserverChoices {
     ObserverChoices { scenes, repeats, traps }
 }
 
-/// The choices for the varied camera against the standard in each amount of light; empty for an experiment that asks for a scale.
-#[must_use]
-pub fn levels(manifest: &Manifest, choices: &ObserverChoices) -> Vec<Level> {
-    let Question::Light { standard } = manifest.question else { return Vec::new() };
-    let of = |condition: usize| Level {
-        level: manifest.conditions.get(condition).map_or(0.0, |c| c.stops),
-        chosen: choices.scenes.iter().map(|s| s.wins(condition, standard)).sum(),
-        asked: choices.scenes.iter().map(|s| s.compared(condition, standard)).sum(),
-    };
-    manifest.levels().into_iter().map(of).collect()
+impl Manifest {
+    /// The experiment with the answers of observers, for [`analyse_ratings`](smalti::experiment::analyse_ratings).
+    #[must_use]
+    pub fn answers(&self, observers: &[Observer]) -> RatingAnswers {
+        let condition = |c: &Condition| AnsweredCondition {
+            name: c.name.clone(),
+            contender: format!("{} {}", c.camera, c.processing),
+            stops: c.stops,
+        };
+        let names: BTreeSet<&String> =
+            self.scenes.iter().flat_map(|s| &s.pictures).flat_map(|p| p.metrics.keys()).collect();
+        let of_scene = |scene: &SceneFiles, name: &String| -> Vec<f64> {
+            scene.pictures.iter().map(|p| p.metrics.get(name).copied().unwrap_or(f64::NAN)).collect()
+        };
+        let metric = |name: &String| {
+            (name.clone(), self.scenes.iter().map(|scene| of_scene(scene, name)).collect::<Vec<_>>())
+        };
+        let observer = |o: &Observer| AnsweredObserver {
+            number: o.number,
+            answered: o.trials.iter().filter(|t| t.answer.is_some()).count(),
+            pairs: self.schedule.trials(),
+            choices: choices(self, o),
+            device_pixel_ratio: o.display.device_pixel_ratio,
+            gamma: o.display.gamma,
+        };
+        RatingAnswers {
+            title: self.title.clone(),
+            question: self.question,
+            seed: self.seed,
+            conditions: self.conditions.iter().map(condition).collect(),
+            scenes: self.scenes.iter().map(|s| s.name.clone()).collect(),
+            metrics: names.into_iter().map(metric).collect(),
+            observers: observers.iter().map(observer).collect(),
+        }
+    }
 }

@@ -106,15 +106,6 @@ pub struct PictureFile {
 }
 
 impl Manifest {
-    /// The number of conditions whose pictures are rated.
-    #[must_use]
-    pub fn levels(&self) -> Vec<usize> {
-        match self.question {
-            Question::Scale => (0..self.conditions.len()).collect(),
-            Question::Light { standard } => (0..self.conditions.len()).filter(|c| *c != standard).collect(),
-        }
-    }
-
     /// The hash of everything but the hash.
     fn hash(&self) -> String {
         let without = Self { id: String::new(), ..self.clone() };

@@ -10,7 +10,7 @@ pub use answers::{
     ANSWERS, AnswerFile, AnswerFolder, Answered, Display, Observer, observer_from_bytes, read_observers,
     secret_hash, write_table,
 };
-pub use choices::{choices, levels};
+pub use choices::choices;
 pub use manifest::{
     Condition, MANIFEST, Manifest, PICTURES, PictureFile, Planned, SceneFiles, from_bytes, read, write,
 };

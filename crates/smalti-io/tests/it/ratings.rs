@@ -10,8 +10,8 @@ use smalti::numeric::Planes;
 use smalti::numeric::philox::Stream;
 use smalti::rating::{Counts, Model, Penalty, Question, Role, Schedule, Shown, Side, Trial, fit};
 use smalti_io::ratings::{
-    ANSWERS, AnswerFolder, Condition, Display, MANIFEST, Manifest, Planned, choices, levels, read,
-    read_observers, secret_hash, write, write_table,
+    ANSWERS, AnswerFolder, Condition, Display, MANIFEST, Manifest, Planned, choices, read, read_observers,
+    secret_hash, write, write_table,
 };
 
 use crate::python::python;
@@ -171,7 +171,7 @@ fn answers_are_read_as_they_were_given() {
         [found.scenes[0].wins(2, 0), found.scenes[0].wins(0, 2), found.scenes[1].wins(0, 2)],
         [2.0, 0.0, 1.0]
     );
-    let light = levels(&manifest, &found);
+    let light = manifest.answers(&observers).levels(&found);
     assert_eq!(
         light.iter().map(|l| (l.level, l.chosen, l.asked)).collect::<Vec<_>>(),
         [(-1.0, 0.0, 0.0), (1.0, 2.0, 3.0)]
@@ -202,6 +202,12 @@ fn a_line_that_was_cut_short_is_removed() {
         let answers = observer.trials.iter().filter(|t| t.answer.is_some()).count();
         assert_eq!(answers + observer.trials.len(), lines.iter().filter(|end| **end <= cut).count() - 1);
     }
+    // The number of an observer belongs to one file.
+    let (before, folder) = (fs::read(&path).unwrap(), AnswerFolder::open(dir.path()).unwrap());
+    let error = folder.begin(&manifest, 1, &secret_hash("other"), &display()).unwrap_err().to_string();
+    assert!(error.contains("observer-0001.jsonl"), "{error}");
+    assert_eq!(fs::read(&path).unwrap(), before);
+    drop(folder);
     // Without the first line there is no observer.
     fs::write(&path, &whole[..lines[0] - 1]).unwrap();
     assert!(AnswerFolder::open(dir.path()).unwrap().resume(&manifest).is_err());

@@ -1,11 +1,12 @@
 //! The page of an experiment.
 
+use smalti::experiment::RatingResult;
 use smalti::numeric::bootstrap::Estimate;
 use smalti::rating::{Agreement, OUTLIER_DISTANCE, Scales};
 
+use super::RatingReport;
 use super::figures;
 use super::text::{basis, estimated, interval, light_words, number, reasons};
-use super::{RatingReport, RatingResult};
 use crate::comparison::columns::heading_of;
 use crate::page::{DESIGN, Markup, Page, Table, copyable, el, foot, paragraph};
 use crate::words::quoted;
@@ -13,9 +14,10 @@ use crate::words::quoted;
 /// The page as HTML.
 #[must_use]
 pub fn page(report: &RatingReport<'_>) -> String {
-    let mut page =
-        Page::new(report.title).with(DESIGN).lead(el("p").child(format!("{}.", report.observers_words())));
-    page = match report.result {
+    let mut page = Page::new(&report.answers.title)
+        .with(DESIGN)
+        .lead(el("p").child(format!("{}.", report.observers_words())));
+    page = match &report.analysis.result {
         RatingResult::Scale { scales, agreement } => page
             .section("scale", "Scale", scale(report, scales))
             .section("scenes", "Scenes", scenes(report, scales))
@@ -61,14 +63,14 @@ fn scale(report: &RatingReport<'_>, scales: &Scales) -> Markup {
         Ok(all) => all,
         Err(error) => return paragraph("none", format!("There is no scale: {error}.")),
     };
-    let order = order(&all.jod);
+    let (conditions, order) = (report.conditions(), order(&all.jod));
     let ties: Vec<String> = order
         .iter()
         .skip(1)
         .filter(|&&i| all.below_best_jod[i].interval.is_none_or(|interval| interval.low <= 0.0))
-        .map(|&i| report.conditions[i].clone())
+        .map(|&i| conditions[i].clone())
         .collect();
-    let best = order.first().map_or("", |&i| report.conditions[i].as_str());
+    let best = order.first().map_or("", |&i| conditions[i].as_str());
     let headline = match ties.len() {
         0 => format!("{best} is preferred to all others."),
         _ => format!(
@@ -82,12 +84,12 @@ fn scale(report: &RatingReport<'_>, scales: &Scales) -> Markup {
         .number("below the best (JOD)")
         .number("Bradley–Terry (log odds)");
     for (rank, &i) in order.iter().enumerate() {
-        let name = Markup::from(report.conditions[i].as_str());
+        let name = Markup::from(conditions[i].as_str());
         let cells = [name, cell(&all.jod[i]), cell(&all.below_best_jod[i]), cell(&all.log_odds[i])];
         table = table.row(cells, rank == 0);
     }
     paragraph("headline", headline)
-        .and(figures::scale(report.conditions, all, &order))
+        .and(figures::scale(&conditions, all, &order))
         .and(table)
         .and(paragraph("help", format!(
             "Thurstone’s Case V, in just-objectionable differences (JOD): of two conditions that differ by 1 JOD, 75 % of the choices prefer the better one. The \
@@ -98,11 +100,11 @@ fn scale(report: &RatingReport<'_>, scales: &Scales) -> Markup {
 
 fn scenes(report: &RatingReport<'_>, scales: &Scales) -> Markup {
     let mut table = Table::new("Scores of each scene (JOD)").text("scene");
-    for name in report.conditions {
-        table = table.number(name.as_str());
+    for condition in &report.answers.conditions {
+        table = table.number(condition.name.as_str());
     }
     let mut without = Markup::new();
-    for (name, scale) in report.scenes.iter().zip(&scales.scenes) {
+    for (name, scale) in report.answers.scenes.iter().zip(&scales.scenes) {
         match scale {
             Ok(scale) => {
                 let cells = std::iter::once(Markup::from(name.as_str())).chain(scale.jod.iter().map(cell));
@@ -146,9 +148,9 @@ fn agreements(agreement: &[(String, Option<Agreement>)]) -> Markup {
     };
     paragraph("headline", headline).and(table).and(paragraph(
         "help",
-        "Means over the scenes of the correlations within each; 1 is the same order, −1 the reverse. Metrics of which less is better count with their sign reversed. \
-         The first three are those of the very pictures that were shown, the others those of the targets (smalti list metrics). Intervals resample observers, and with five \
-         scenes or more also scenes. Metrics whose intervals overlap are not told apart by these answers.",
+        "Each correlation is computed within a scene and averaged over the scenes; 1 means the same order, −1 the reverse. The sign of a metric of which smaller values are better is reversed. \
+         The first three metrics are those of the pictures that were shown, the others those of the test targets (smalti list metrics). Intervals of 95 % resample the observers and, with five \
+         scenes or more, also the scenes. These answers cannot rank metrics whose intervals overlap.",
     ))
 }
 
@@ -156,12 +158,12 @@ fn facts(fit: &smalti::rating::PsychometricFit) -> Markup {
     let fact = |name: &str, value: String| Markup::from(el("dt").child(name)).and(el("dd").child(value));
     let list = fact("point of subjective equality", format!("{} stops", estimated(&fit.equality, 2)))
         .and(fact("spread", format!("{} stops", estimated(&fit.spread, 2))))
-        .and(fact("lapses", format!("{} %", number(100.0 * fit.function.lapse, 0))))
+        .and(fact("lapse rate", format!("{} %", number(100.0 * fit.function.lapse, 0))))
         .and(fact("deviance", number(fit.deviance, 1)));
     Markup::from(el("dl").class("facts").child(list)).and(paragraph(
         "help",
         format!(
-            "The function λ + (1 − 2 λ) Φ((x − e) / s) is fitted by maximum likelihood: e is the point of subjective equality, s the spread and λ the share of lapses, at most 5 %. {}",
+            "The function λ + (1 − 2 λ) Φ((x − e) / s) is fitted by maximum likelihood: e is the point of subjective equality, s the spread and λ the lapse rate, at most 5 %. {}",
             basis(fit.basis)
         ),
     ))
@@ -184,24 +186,24 @@ fn observers(report: &RatingReport<'_>) -> Markup {
     let mut table = Table::new("Observers")
         .text("observer")
         .number("answered")
-        .number("repeats alike")
-        .number("traps right")
+        .number("consistent repeats")
+        .number("traps passed")
         .number("log₁₀ likelihood")
         .number("distance")
         .number("pixel ratio")
-        .number("exponent")
-        .text("left out for");
-    for o in report.observers {
+        .number("display gamma")
+        .text("excluded for");
+    for (o, judged) in report.observers() {
         let of = |[part, all]: [u32; 2]| if all > 0 { format!("{part} of {all}") } else { "–".into() };
-        let (mean, distance) = o
+        let (mean, distance) = judged
             .screening
             .likelihood
             .map_or(("–".into(), "–".into()), |l| (number(l.mean_log10, 3), number(l.distance, 2)));
-        let why = reasons(o);
+        let why = reasons(judged);
         table = table.row(
             [
                 o.number.to_string(),
-                format!("{} of {}", o.answered[0], o.answered[1]),
+                format!("{} of {}", o.answered, o.pairs),
                 of(o.choices.repeats),
                 of(o.choices.traps),
                 mean,
@@ -216,9 +218,9 @@ fn observers(report: &RatingReport<'_>) -> Markup {
     Markup::from(table).and(paragraph(
         "help",
         format!(
-            "Observers are left out who answered fewer than two thirds of the traps rightly, chose differently in more than half of at least four hidden repeats, or whose choices are \
-             improbable under the scale of all others: their mean likelihood lies more than {OUTLIER_DISTANCE} interquartile ranges below the first quartile, with at least five observers. \
-             --keep-all keeps them."
+            "An observer is excluded who answered fewer than two thirds of the traps correctly, who chose differently in more than half of at least four hidden repeats, or whose choices are \
+             improbable under the scale of all others: with five observers or more, the mean log-likelihood lies more than {OUTLIER_DISTANCE} interquartile ranges below the first quartile. \
+             With --keep-all, only observers without ratings are excluded."
         ),
     ))
 }

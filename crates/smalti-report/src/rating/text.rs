@@ -1,9 +1,10 @@
 //! The results of an experiment in words and as tables of text.
 
+use smalti::experiment::{JudgedObserver, RatingResult};
 use smalti::numeric::bootstrap::Estimate;
 use smalti::rating::{IntervalBasis, PsychometricFit, Reason};
 
-use super::{RatedObserver, RatingReport, RatingResult};
+use super::RatingReport;
 use crate::words::TextTable;
 
 /// A number with a minus sign.
@@ -36,7 +37,7 @@ pub(super) fn reason(reason: Reason) -> &'static str {
 }
 
 /// Why an observer is left out; `–` for one who is kept.
-pub(super) fn reasons(observer: &RatedObserver) -> String {
+pub(super) fn reasons(observer: &JudgedObserver) -> String {
     let all: Vec<&str> = observer.screening.reasons.iter().map(|r| reason(*r)).collect();
     match (observer.is_kept, all.is_empty()) {
         (true, _) => "–".into(),
@@ -82,30 +83,28 @@ pub(super) fn light_words(varied: &str, standard: &str, fit: Option<&Psychometri
 }
 
 impl RatingReport<'_> {
-    /// The number of observers whose choices count.
-    pub(super) fn kept(&self) -> usize {
-        self.observers.iter().filter(|o| o.is_kept).count()
-    }
-
     /// The number of answers that count.
-    pub(super) fn answers(&self) -> f64 {
-        let kept = self.observers.iter().filter(|o| o.is_kept);
-        kept.flat_map(|o| &o.choices.scenes).map(smalti::rating::Counts::total).sum()
+    pub(super) fn counted(&self) -> f64 {
+        self.kept().flat_map(|o| &o.choices.scenes).map(smalti::rating::Counts::total).sum()
     }
 
     /// Who took part, in words.
     pub(super) fn observers_words(&self) -> String {
-        let (kept, all) = (self.kept(), self.observers.len());
+        let (kept, all) = (self.kept().count(), self.answers.observers.len());
         let one = if all == 1 { "observer" } else { "observers" };
-        let left_out = if kept == all { String::new() } else { format!(", of whom {} left out", all - kept) };
-        format!("{all} {one}{left_out}; {} answers", self.answers())
+        let left_out = match all - kept {
+            0 => String::new(),
+            1 => ", of whom 1 is excluded".into(),
+            excluded => format!(", of whom {excluded} are excluded"),
+        };
+        format!("{all} {one}{left_out}; {} answers", self.counted())
     }
 
     /// The results as text: the statement, the scale, the agreement.
     #[must_use]
     pub fn text(&self, table: &TextTable<'_>) -> String {
-        let mut out = format!("{}: {}.\n", self.title, self.observers_words());
-        match self.result {
+        let mut out = format!("{}: {}.\n", self.answers.title, self.observers_words());
+        match &self.analysis.result {
             RatingResult::Light { varied, standard, fit, levels } => {
                 out += &format!("{}\n\n", light_words(varied, standard, fit.as_ref()));
                 let row = |l: &smalti::rating::Level| {
@@ -120,11 +119,12 @@ impl RatingReport<'_> {
                 match &scales.all {
                     Err(error) => out += &format!("There is no scale: {error}.\n"),
                     Ok(all) => {
-                        let mut order: Vec<usize> = (0..self.conditions.len()).collect();
+                        let conditions = self.conditions();
+                        let mut order: Vec<usize> = (0..conditions.len()).collect();
                         order.sort_by(|&a, &b| all.jod[b].value.total_cmp(&all.jod[a].value));
                         let row = |&i: &usize| {
                             vec![
-                                self.conditions[i].clone(),
+                                conditions[i].clone(),
                                 estimated(&all.jod[i], 2),
                                 estimated(&all.below_best_jod[i], 2),
                                 estimated(&all.log_odds[i], 2),

@@ -10,7 +10,7 @@ use smalti_io::ratings::{
 use smalti_io::{IoError, write};
 
 use crate::ServeError;
-use crate::address::{Address, random_token};
+use crate::address::{Address, is_token};
 
 /// The file of the address, which a later server uses again.
 const ADDRESS: &str = ".address.json";
@@ -51,7 +51,6 @@ pub(super) struct About {
 #[derive(Debug, Serialize)]
 pub(super) struct Joined {
     number: u32,
-    secret: String,
 }
 
 /// A request to take part.
@@ -59,6 +58,8 @@ pub(super) struct Joined {
 #[serde(deny_unknown_fields)]
 pub(super) struct Join {
     consent: bool,
+    /// What later requests of the observer send: 32 random hexadecimal digits.
+    secret: String,
     display: Display,
 }
 
@@ -74,6 +75,8 @@ pub(super) struct Answer {
 /// The pair to judge.
 #[derive(Debug, Serialize)]
 pub(super) struct Pair {
+    /// The number of the observer.
+    observer: u32,
     /// Its number, from 0; that of all pairs at the end.
     number: usize,
     pairs: usize,
@@ -156,6 +159,7 @@ impl Experiment {
         }
     }
 
+    /// Adds an observer. A request that the page sends again, since it did not learn of the first one, adds no other observer.
     pub(super) fn join(&mut self, join: &Join) -> Result<Joined, Refused> {
         if !join.consent {
             return Err(Refused::Invalid("nobody takes part without consent"));
@@ -163,15 +167,20 @@ impl Experiment {
         if !join.display.is_plausible() {
             return Err(Refused::Invalid("the display has values that no display has"));
         }
+        if !is_token(&join.secret) {
+            return Err(Refused::Invalid("the secret is not one of 32 hexadecimal digits"));
+        }
+        if let Ok(at) = self.find(&join.secret) {
+            return Ok(Joined { number: self.sessions[at].observer.number });
+        }
         let last = self.sessions.iter().map(|s| s.observer.number).max().unwrap_or_default();
         if last as usize >= MOST_OBSERVERS {
             return Err(Refused::Full);
         }
-        let secret = random_token().map_err(Refused::Failed)?;
-        let (number, hash) = (last + 1, secret_hash(&secret));
+        let (number, hash) = (last + 1, secret_hash(&join.secret));
         let (observer, file) = self.folder.begin(&self.manifest, number, &hash, &join.display)?;
         self.sessions.push(Session { observer, file });
-        Ok(Joined { number, secret })
+        Ok(Joined { number })
     }
 
     fn find(&self, secret: &str) -> Result<usize, Refused> {
@@ -202,6 +211,7 @@ impl Experiment {
         let open = trials.last().filter(|t| t.answer.is_none());
         let scene = open.and_then(|t| self.manifest.scenes.get(t.trial.scene));
         Ok(Pair {
+            observer: self.sessions[at].observer.number,
             number: trials.len() - usize::from(open.is_some()),
             pairs: schedule.trials(),
             training: schedule.training,

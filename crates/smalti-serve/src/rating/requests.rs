@@ -13,6 +13,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use super::experiment::{Experiment, Refused};
+use crate::ServeError;
 use crate::pages::{self, Asset, asset};
 
 type Shared = Arc<Mutex<Experiment>>;
@@ -23,6 +24,7 @@ const FILES: &[Asset] = &[
     asset!("rating.js", "text/javascript; charset=utf-8"),
     asset!("server.js", "text/javascript; charset=utf-8"),
     asset!("display.js", "text/javascript; charset=utf-8"),
+    asset!("observers.js", "text/javascript; charset=utf-8"),
     asset!("pair.js", "text/javascript; charset=utf-8"),
 ];
 
@@ -44,9 +46,8 @@ impl IntoResponse for Refused {
             Self::Unknown => (StatusCode::UNAUTHORIZED, "there is no such observer").into_response(),
             Self::Other => (StatusCode::CONFLICT, "another pair is judged now").into_response(),
             Self::Absent => (StatusCode::NOT_FOUND, "there is no such picture").into_response(),
-            Self::Full => {
-                (StatusCode::SERVICE_UNAVAILABLE, "the experiment has its observers").into_response()
-            }
+            // No failure of the server, after which the page would try again.
+            Self::Full => (StatusCode::FORBIDDEN, "the experiment admits no more observers").into_response(),
             Self::Failed(error) => {
                 // Paths of this machine are for the one who runs the server.
                 eprintln!("error: {}", smalti::names::in_one_line(&error.to_string()));
@@ -62,7 +63,8 @@ async fn working<T: Send + 'static>(
     work: impl FnOnce(&mut Experiment) -> Result<T, Refused> + Send + 'static,
 ) -> Result<T, Refused> {
     let run = move || work(&mut shared.lock().unwrap_or_else(PoisonError::into_inner));
-    tokio::task::spawn_blocking(run).await.unwrap_or(Err(Refused::Invalid("the request failed")))
+    let failed = |e| Err(Refused::Failed(ServeError::Server(std::io::Error::other(e))));
+    tokio::task::spawn_blocking(run).await.unwrap_or_else(failed)
 }
 
 fn json(value: Result<impl Serialize, Refused>) -> Response {

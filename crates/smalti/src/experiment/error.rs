@@ -69,6 +69,14 @@ pub enum ExperimentError {
     /// No kind of processing of a comparison is defined for the mosaic of any camera.
     #[error("nothing is left to compare: the processing is not defined for these mosaics")]
     NothingToCompare,
+    /// Nobody has answered a pair of a rating experiment.
+    #[error("the experiment has no answers yet; smalti rate serve records them")]
+    NoAnswers,
+    /// No observer of a rating experiment is kept.
+    #[error(
+        "no observer with ratings is left after screening; to analyse the ratings nevertheless, keep all observers"
+    )]
+    NoObserver,
     /// A setting is out of range.
     #[error(transparent)]
     Setting(#[from] OutOfRange),

@@ -1,4 +1,5 @@
-//! Experiments as functions of plain values: simulate, train, evaluate, compare, light gain, sweep, and the pictures of ratings.
+//! Experiments as functions of plain values: simulate, train, evaluate, compare, light gain, sweep, and ratings: their pictures
+//! and their analysis.
 //!
 //! The command and the Python package only call these functions, so that both give the same results for the same settings. No
 //! function opens a file: the caller passes scenes, raw images and pipelines. A [`Store`] caches slow results, and a
@@ -31,6 +32,7 @@ mod processing;
 mod progress;
 mod proof;
 mod rating;
+mod rating_analysis;
 mod robustness;
 mod simulation;
 mod store;
@@ -67,6 +69,10 @@ pub use processing::Processing;
 pub use progress::{Progress, Silent};
 pub use proof::{Proof, ProofResult, ProvedLead, Rival, Scored, prove};
 pub use rating::{RatedCondition, RatedPicture, RatedScene, rated_scenes};
+pub use rating_analysis::{
+    AnsweredCondition, AnsweredObserver, JudgedObserver, RatingAnalysis, RatingAnswers, RatingResult,
+    analyse_ratings,
+};
 pub use robustness::{RobustnessCase, RobustnessRow, RobustnessScenes, robustness, robustness_cases};
 pub use simulation::{ScoredWindow, Simulation, SimulationSettings, capture, score_capture, simulate};
 pub use store::{NoStore, Resources, Store};
