@@ -259,8 +259,10 @@ test("pitch and f-number change the picture; the light is gathered once, and the
   await page.getByLabel("Pixel pitch").fill("1000");
   await page.getByLabel("Pixel pitch").press("Enter");
   await page.locator("#message[data-kind=trouble]").filter({ hasNotText: "expected 0.001" }).waitFor();
+  assert.match(await page.locator("#caption").textContent(), /^Before the last change: /);
   await page.keyboard.press("Control+z");
   await settled(page);
+  assert.doesNotMatch(await page.locator("#caption").textContent(), /Before/);
   assert.equal(await page.locator("#message").getAttribute("data-kind"), null);
   for (const id of ["fill-factor", "read-noise", "full-well", "gain", "time"]) assert.ok(await page.locator(`#${id}`).isEditable(), id);
   // The field shows the value of the design again; a preset has a lens and pixels of its own.

@@ -122,7 +122,6 @@ fn gathered(
         })
     };
     let manifest = json!({
-        "version": 2,
         "training": "training.bin",
         "statistics": statistics.as_ref().map(|asset| &asset.name),
         "training_sources": training_sources,

@@ -185,8 +185,10 @@ async function start() {
       if (others.length > 0) tell(others[0], "trouble");
     },
     failed(loop, error) {
-      if (loop === "pictures") gathering.hidden = true;
-      else scores.waits("");
+      if (loop === "pictures") {
+        gathering.hidden = true;
+        picture.markEarlier();
+      } else scores.waits("");
       const text = `${message(error)}.`;
       failures.set(loop, text);
       tell(text, "trouble");

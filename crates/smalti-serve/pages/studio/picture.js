@@ -230,6 +230,12 @@ export function setUpPicture(onView) {
       names = { ...names, pin: name };
       show();
     },
+    /** Says that the picture is not of the latest change, which could not be computed. */
+    markEarlier() {
+      const note = "Before the last change: ";
+      if (layers.own && !names.own.startsWith(note)) names = { ...names, own: note + names.own };
+      show();
+    },
     /** The picture of the design as PNG. @returns {Promise<Blob | null>} */
     png: () => new Promise((resolve) => { if (layers.own) layers.own.toBlob(resolve, "image/png"); else resolve(null); }),
   };

@@ -164,16 +164,16 @@ impl Kernel for ToLab<'_> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { xyz, white, lab } = self;
+        let Self { xyz, white, mut lab } = self;
         for at in (0..xyz[0].len()).step_by(LANES) {
             let count = LANES.min(xyz[0].len() - at);
             let of = lanes(xyz, at, count);
-            let mut labs = [[0.0; LANES]; 3];
+            let [mut l, mut a, mut b] = [[0.0; LANES]; 3];
             for i in 0..LANES {
-                [labs[0][i], labs[1][i], labs[2][i]] = lab_of(&of, i, white);
+                [l[i], a[i], b[i]] = lab_of(&of, i, white);
             }
-            for p in 0..3 {
-                lab[p][at..at + count].copy_from_slice(&labs[p][..count]);
+            for (out, values) in lab.iter_mut().zip([l, a, b]) {
+                out[at..at + count].copy_from_slice(&values[..count]);
             }
         }
     }
