@@ -257,7 +257,7 @@ test("what is wrong is said, and the engine goes on", async () => {
   assert.match(await refused(`engine.draw({ design: camera, scene: "none", luminance: 10 })`), /there is no scene 'none'/);
   assert.match(await refused(`engine.draw({ design: camera, scene: ${scene}, luminance: -1 })`), /luminance_cd_m2.*-1/s);
   assert.match(await refused(`engine.draw({ design: camera, scene: ${scene}, luminance: 10, crop: { row: 0, col: 0, rows: 9999, cols: 1 } })`), /crop/);
-  assert.match(await refused(`engine.improve(camera, { filters: ["Q"] }, [10], () => {})`), /no filter 'Q'/);
+  assert.match(await refused(`engine.improve(camera, { filters: ["Q"] }, [10], () => {})`), /no filter "Q"/);
   assert.match(await refused("engine.parse('[sensor]\\nrowz = 4')"), /camera\.toml:2.*rowz/s);
   assert.match(await refused("engine.parse('x'.repeat(2 ** 21))"), /at most/);
   assert.equal(await refused(draw("camera")), null);

@@ -154,14 +154,14 @@ pub struct EvaluationPictures {
 
 impl EvaluationPictures {
     /// The edge response of the luminance plane, whose MTF50 is that of [`Evaluation`]; `None` when the picture shows
-    /// no edge that can be measured ([`MetricError::is_about_edge`]).
+    /// no edge, or an edge of too little contrast.
     ///
     /// # Errors
     /// When the edge cannot be measured for another reason.
     pub fn edge_sfr(&self) -> Result<Option<EdgeSfr>, CameraError> {
         match edge_sfr(self.edge.planes(), LUMINANCE, EDGE_REGION, &EsfrOptions::default()) {
             Ok(sfr) => Ok(Some(sfr)),
-            Err(error) if error.is_about_edge() => Ok(None),
+            Err(MetricError::NoEdge(_) | MetricError::LowContrast { .. }) => Ok(None),
             Err(error) => Err(error.into()),
         }
     }
@@ -302,7 +302,7 @@ impl TargetCapture<'_, '_> {
     /// The MTF50 of the edge of low contrast; not a number when the picture shows none, as where it saturates.
     fn mtf50_or_none(&self) -> Result<EdgeMtf50, CameraError> {
         match edge_mtf50(self.clean.planes(), LUMINANCE, EDGE_REGION) {
-            Err(CameraError::Metric(error)) if error.is_about_edge() => {
+            Err(CameraError::Metric(MetricError::NoEdge(_) | MetricError::LowContrast { .. })) => {
                 Ok(EdgeMtf50 { cy_per_px: f64::NAN, reliability: Mtf50Reliability::NoEdge })
             }
             found => found.map_err(|e| self.explained(e, "the slanted edge of low contrast")),
