@@ -1,57 +1,22 @@
 // The files of the studio without a server, results that it opens, and the sweep.
 import assert from "node:assert/strict";
-import { execFileSync, spawn } from "node:child_process";
-import { once } from "node:events";
-import { createServer } from "node:http";
-import { mkdtemp, readFile, rm, writeFile } from "node:fs/promises";
-import { tmpdir } from "node:os";
-import { extname, join, resolve } from "node:path";
+import { readFile, writeFile } from "node:fs/promises";
+import { join } from "node:path";
 import { after, before, test } from "node:test";
-import { axe, launch } from "./browser.mjs";
+import { axe } from "./browser.mjs";
+import { cells, saved, settled, site, studio } from "./studio.mjs";
 
-const smalti = resolve(process.env.SMALTI ?? join(import.meta.dirname, "../../target/debug/smalti"));
-let dir;
-let browser;
+let own;
 let exported;
-
-const env = () => ({ ...process.env, SMALTI_CACHE_DIR: join(dir, "cache") });
-const run = (...args) => execFileSync(smalti, args, { cwd: dir, encoding: "utf8", stdio: ["ignore", "pipe", "inherit"], env: env() });
-
 before(async () => {
-  dir = await mkdtemp(join(tmpdir(), "smalti-studio-files-"));
-  browser = await launch();
-  run("studio", "bayer", "--export", "site", "--quiet");
-  const types = { ".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".json": "application/json" };
-  exported = createServer(async (request, response) => {
-    const path = new URL(request.url, "http://x").pathname.replace(/\/$/, "/index.html");
-    try {
-      response.setHeader("Content-Type", types[extname(path)] ?? "application/octet-stream");
-      response.end(await readFile(join(dir, "site", path)));
-    } catch {
-      response.writeHead(404).end();
-    }
-  });
-  exported.listen(0, "127.0.0.1");
-  await once(exported, "listening");
+  own = await studio();
+  exported = await site(join(own.dir, "site"));
 });
 after(async () => {
-  await browser?.close();
-  exported?.close();
-  await rm(dir, { recursive: true, force: true });
+  exported?.end();
+  await own?.end();
 });
 
-const settled = (page) => page.waitForFunction(() => document.documentElement.dataset.settled !== undefined, null, { timeout: 60_000 });
-async function open(address, options = {}) {
-  const context = await browser.newContext({ viewport: { width: 1440, height: 900 }, acceptDownloads: true, ...options });
-  const page = await context.newPage();
-  const faults = [];
-  page.on("console", (m) => { if (["error", "warning"].includes(m.type()) && !m.text().includes("willReadFrequently")) faults.push(m.text()); });
-  page.on("pageerror", (e) => faults.push(String(e.stack)));
-  await page.goto(address);
-  await settled(page);
-  return { page, faults, close: () => context.close() };
-}
-const site = () => `http://127.0.0.1:${exported.address().port}/`;
 const picture = async (page, name) => {
   if (!process.env.SMALTI_PICTURES) return;
   for (const [width, height] of [[1440, 900], [390, 844]]) {
@@ -62,22 +27,21 @@ const picture = async (page, name) => {
 };
 
 test("without a server the page saves the table and the raw image of its picture, which make it again", async () => {
-  const { page, faults, close } = await open(site());
-  const saved = async (name, file) => {
-    await page.getByText("File", { exact: true }).click();
-    const [download] = await Promise.all([page.waitForEvent("download"), page.getByRole("button", { name }).click()]);
-    await writeFile(join(dir, file), await readFile(await download.path()));
-    return download.suggestedFilename();
+  const { page, faults, close } = await own.open({}, exported.address);
+  const kept = async (name, file) => {
+    const download = await saved(page, name);
+    await writeFile(join(own.dir, file), download.content);
+    return download.name;
   };
   await page.getByText("File", { exact: true }).click();
   await page.getByText("The table is that of the picture shown").waitFor();
   await picture(page, "files-menu");
   await page.setViewportSize({ width: 1440, height: 900 });
   await page.getByText("File", { exact: true }).click();
-  assert.match(await saved(/learned table/, "own.l3"), /^bayer-10\.l3$/);
-  assert.match(await saved(/raw capture/, "own.dng"), /^bayer-.*-10\.dng$/);
-  run("render", "own.dng", "--pipeline", "own.l3", "-o", "own.png");
-  const png = await readFile(join(dir, "own.png"));
+  assert.match(await kept(/learned table/, "own.l3"), /^bayer-10\.l3$/);
+  assert.match(await kept(/raw capture/, "own.dng"), /^bayer-.*-10\.dng$/);
+  own.run("render", "own.dng", "--pipeline", "own.l3", "-o", "own.png");
+  const png = await readFile(join(own.dir, "own.png"));
   const size = [png.readUInt32BE(16), png.readUInt32BE(20)];
   assert.ok(size.every((side) => side >= 64 && side <= 1024), String(size));
   assert.deepEqual(faults, []);
@@ -85,25 +49,24 @@ test("without a server the page saves the table and the raw image of its picture
 });
 
 test("results of a search and the report of a sweep open as designs", async () => {
-  const { page, faults, close } = await open(site());
+  const { page, faults, close } = await own.open({}, exported.address);
   const flat = (value) => Array(31).fill(value);
   const search = {
     name: "found", wavelengths_nm: flat(0).map((_, i) => 400 + 10 * i),
     searched: [{ tile: "ab/ca", transmittances: [flat(0.2), flat(0.5), flat(0.9)] }],
   };
   const take = (name, content) => page.locator("#file").setInputFiles({ name, mimeType: "application/json", buffer: Buffer.from(JSON.stringify(content)) });
-  const cells = () => page.locator("#grid [role=row]").evaluateAll((rows) => rows.map((r) => [...r.children].map((c) => c.textContent).join("")));
   await take("results.json", search);
   await page.waitForFunction(() => document.querySelector("#name").value === "found");
-  assert.deepEqual(await cells(), ["AB", "CA"]);
+  assert.deepEqual(await cells(page), ["AB", "CA"]);
   await page.getByText("found is open with the sensor and the lens of this page").waitFor();
   const filters = [[455, 25], [540, 35], [600, 30]].map(([center, sigma]) => `{ gaussian = { center_nm = ${center}, sigma_nm = ${sigma} } }`);
-  await writeFile(join(dir, "few.toml"), `camera = "table1"\ncolors = [3]\nmosaics = { given = [["bc", "ab"]] }\nmetrics = ["vora_value"]\n[[filters.list]]\nfilters = [${filters.join(", ")}]\n`);
-  run("sweep", "few.toml", "-o", "few", "-q");
-  run("report", "few", "-q");
-  await page.locator("#file").setInputFiles(join(dir, "few/report/report.json"));
+  await writeFile(join(own.dir, "few.toml"), `camera = "table1"\ncolors = [3]\nmosaics = { given = [["bc", "ab"]] }\nmetrics = ["vora_value"]\n[[filters.list]]\nfilters = [${filters.join(", ")}]\n`);
+  own.run("sweep", "few.toml", "-o", "few", "-q");
+  own.run("report", "few", "-q");
+  await page.locator("#file").setInputFiles(join(own.dir, "few/report/report.json"));
   await page.waitForFunction(() => document.querySelector("#name").value === "few, trial 0");
-  assert.deepEqual(await cells(), ["BC", "AB"]);
+  assert.deepEqual(await cells(page), ["BC", "AB"]);
   await settled(page);
   await take("other.json", { studies: [] });
   await page.getByText("it holds no camera").waitFor();
@@ -112,32 +75,26 @@ test("results of a search and the report of a sweep open as designs", async () =
 });
 
 test("a sweep over light and tolerances is shown as a table and saved as CSV", async () => {
-  const child = spawn(smalti, ["studio", "bayer", "--json", "--quiet"], { cwd: dir, stdio: ["ignore", "pipe", "inherit"], env: env() });
-  const [line] = await once(child.stdout, "data");
-  try {
-    const { page, faults, close } = await open(JSON.parse(line).address);
-    const panel = page.locator("#native-panel");
-    await panel.getByLabel("Sweep on").selectOption("charts");
-    await panel.getByLabel("Luminance").selectOption("here");
-    await panel.getByRole("button", { name: "Light and tolerances" }).click();
-    const table = panel.locator(".sweep table");
-    await table.waitFor({ timeout: 240_000 });
-    assert.equal(await table.locator("tbody").count(), 1);
-    assert.deepEqual(await table.locator("th[scope=row]").allTextContents(), ["as designed", "−5 nm", "+5 nm", "thickness −5 %", "thickness +5 %"]);
-    const cpsnr = Number(await table.locator("tbody tr").nth(1).locator("td").first().textContent());
-    assert.ok(cpsnr > 20 && cpsnr < 60, String(cpsnr));
-    const [download] = await Promise.all([page.waitForEvent("download"), panel.getByRole("button", { name: "Save CSV" }).click()]);
-    assert.equal(download.suggestedFilename(), "bayer-sweep.csv");
-    const csv = String(await readFile(await download.path())).trim().split("\n");
-    assert.equal(csv.length, 6);
-    assert.ok(Math.abs(Number(csv[1].split(",")[3]) - cpsnr) < 0.006, csv[1]);
-    assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth));
-    await picture(page, "sweep");
-    assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth));
-    assert.deepEqual(await axe(page), []);
-    assert.deepEqual(faults.filter((f) => !f.includes("Content Security Policy")), []);
-    await close();
-  } finally {
-    child.kill("SIGKILL");
-  }
+  const { page, faults, close } = await own.open();
+  const panel = page.locator("#native-panel");
+  await panel.getByLabel("Sweep on").selectOption("charts");
+  await panel.getByLabel("Luminance").selectOption("here");
+  await panel.getByRole("button", { name: "Light and tolerances" }).click();
+  const table = panel.locator(".sweep table");
+  await table.waitFor({ timeout: 240_000 });
+  assert.equal(await table.locator("tbody").count(), 1);
+  assert.deepEqual(await table.locator("th[scope=row]").allTextContents(), ["as designed", "−5 nm", "+5 nm", "thickness −5 %", "thickness +5 %"]);
+  const cpsnr = Number(await table.locator("tbody tr").nth(1).locator("td").first().textContent());
+  assert.ok(cpsnr > 20 && cpsnr < 60, String(cpsnr));
+  const [download] = await Promise.all([page.waitForEvent("download"), panel.getByRole("button", { name: "Save CSV" }).click()]);
+  assert.equal(download.suggestedFilename(), "bayer-sweep.csv");
+  const csv = String(await readFile(await download.path())).trim().split("\n");
+  assert.equal(csv.length, 6);
+  assert.ok(Math.abs(Number(csv[1].split(",")[3]) - cpsnr) < 0.006, csv[1]);
+  assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth));
+  await picture(page, "sweep");
+  assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth));
+  assert.deepEqual(await axe(page), []);
+  assert.deepEqual(faults.filter((f) => !f.includes("Content Security Policy")), []);
+  await close();
 });

@@ -1,13 +1,11 @@
 // What the studio opens, saves and shares: addresses, camera files, photographs, cameras that it does not simulate in full, and the exported folder.
 import assert from "node:assert/strict";
-import { once } from "node:events";
-import { readFile, writeFile } from "node:fs/promises";
-import { createServer } from "node:http";
-import { extname, join } from "node:path";
+import { writeFile } from "node:fs/promises";
+import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { pathToFileURL } from "node:url";
 import { crc32, deflateSync } from "node:zlib";
-import { cells, pixels, saved, score, settled, studio, toml } from "./studio.mjs";
+import { cells, pixels, saved, score, settled, site, studio, toml } from "./studio.mjs";
 
 let own;
 before(async () => { own = await studio(); });
@@ -187,19 +185,8 @@ test("a photograph becomes a scene and stays in the browser; what is none is ref
 });
 
 test("the exported folder works from any web server, and nothing moves while it starts", async () => {
-  const types = { ".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".json": "application/json" };
-  const other = createServer(async (request, response) => {
-    const path = new URL(request.url, "http://x").pathname.replace(/^\/deep\//, "/").replace(/\/$/, "/index.html");
-    try {
-      response.setHeader("Content-Type", types[extname(path)] ?? "application/octet-stream");
-      response.end(await readFile(join(own.dir, "site", path)));
-    } catch {
-      response.writeHead(404).end();
-    }
-  });
-  other.listen(0, "127.0.0.1");
-  await once(other, "listening");
-  const { page, faults, close } = await open({}, `http://127.0.0.1:${other.address().port}/deep/`);
+  const other = await site(join(own.dir, "site"), "/deep/");
+  const { page, faults, close } = await open({}, other.address);
   assert.deepEqual(await cells(page), ["RG", "GB"]);
   // It offers nothing that needs the server, and says which commands do it.
   assert.ok(await page.locator("#native-panel").isHidden());
@@ -219,7 +206,7 @@ test("the exported folder works from any web server, and nothing moves while it 
   assert.ok(shift < 0.1, `layout shift ${shift}`);
   assert.deepEqual(faults, []);
   await close();
-  other.close();
+  other.end();
   // A browser runs no module from a file; the page then says what it needs.
   const file = await (await own.browser.newContext()).newPage();
   await file.goto(pathToFileURL(join(own.dir, "site", "index.html")).href);

@@ -2,8 +2,9 @@
 import { execFileSync, spawn } from "node:child_process";
 import { once } from "node:events";
 import { mkdtemp, readFile, rm } from "node:fs/promises";
+import { createServer } from "node:http";
 import { tmpdir } from "node:os";
-import { join, resolve } from "node:path";
+import { extname, join, resolve } from "node:path";
 import { launch } from "./browser.mjs";
 
 const smalti = resolve(process.env.SMALTI ?? join(import.meta.dirname, "../../target/debug/smalti"));
@@ -44,6 +45,23 @@ export async function studio() {
     await rm(dir, { recursive: true, force: true });
   };
   return { dir, browser, server, run, serve, open, end };
+}
+
+// A web server of a folder below a path, such as that of an exported studio.
+export async function site(folder, path = "/") {
+  const types = { ".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".json": "application/json" };
+  const server = createServer(async (request, response) => {
+    const wanted = new URL(request.url, "http://x").pathname.replace(path, "/").replace(/\/$/, "/index.html");
+    try {
+      response.setHeader("Content-Type", types[extname(wanted)] ?? "application/octet-stream");
+      response.end(await readFile(join(folder, wanted)));
+    } catch {
+      response.writeHead(404).end();
+    }
+  });
+  server.listen(0, "127.0.0.1");
+  await once(server, "listening");
+  return { address: `http://127.0.0.1:${server.address().port}${path}`, end: () => server.close() };
 }
 
 // Picture, scores and figures are those of the latest change.
