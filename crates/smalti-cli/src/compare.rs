@@ -87,7 +87,7 @@ pub(crate) fn run(args: &Compare, words: &[String], common: &Common) -> anyhow::
     let stated = Stated::new((cameras, labels), &contenders, &settings, scene_label)?;
     let stated = stated.with_illuminant(&options.illuminant);
     let command = resolve::command_line(words, &args.cameras);
-    let report = stated.report(&command, (cameras, labels), &left_out, &compared);
+    let report = stated.report(&command, &left_out, &compared);
     let report = Comparison { gains: &gains, ..report };
     let text = serde_json::to_string_pretty(&report.document()?)? + "\n";
     progress.begin("writing");

@@ -65,6 +65,13 @@ pub fn durable(path: &Path, bytes: &[u8]) -> Result<(), IoError> {
     })
 }
 
+/// Flushes the directory entries of a folder to disk, where the system supports it. Errors are ignored: the names of new files may then be lost with the power.
+pub(crate) fn sync_folder(dir: &Path) {
+    if let Ok(folder) = fs::File::open(dir) {
+        let _ = folder.sync_all();
+    }
+}
+
 /// As [`bytes()`]; where the system has such permissions, only the user who runs the program can read the file.
 ///
 /// # Errors

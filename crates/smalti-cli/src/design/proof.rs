@@ -242,7 +242,7 @@ fn pictures(
     let (contenders, left_out) = contenders(&cameras, &labels, &sets, &processing)?;
     let compared = compare(&contenders, settings, resources)?;
     let stated = Stated::new((&cameras, &labels), &contenders, settings, scene_label)?;
-    let report = stated.report(command, (&cameras, &labels), &left_out, &compared);
+    let report = stated.report(command, &left_out, &compared);
     resources.progress.begin("writing");
     let text = serde_json::to_string_pretty(&report.document()?)? + "\n";
     let content = ComparisonFiles {

@@ -144,11 +144,6 @@ pub(crate) fn read_curve(filter: &mut Filter, folder: &Path) -> Result<Option<St
     let path = beside(folder, name);
     let (spectrum, note) =
         spectrum_csv::read_transmittance(&path.to_string_lossy()).map_err(|e| e.to_string())?;
-    let grid = spectrum.grid();
-    *filter = Filter::Samples {
-        start_nm: grid.start_nm(),
-        step_nm: grid.step_nm(),
-        values: spectrum.values().to_vec(),
-    };
+    *filter = Filter::sampled(&spectrum);
     Ok(note)
 }

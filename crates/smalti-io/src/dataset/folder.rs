@@ -139,14 +139,6 @@ fn remove(path: &Path) -> Result<(), DatasetError> {
     }
 }
 
-/// Flushes the directory entries of a folder to disk, where the system supports it.
-pub(super) fn sync(dir: &Path) {
-    // Errors are ignored, since a part whose entry is lost is computed again.
-    if let Ok(folder) = fs::File::open(dir) {
-        let _ = folder.sync_all();
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

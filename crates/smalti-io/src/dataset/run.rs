@@ -128,7 +128,8 @@ impl Run {
 
     /// Ends the run and adds `records` to the manifest.
     pub(super) fn finish_with(self, records: Vec<RunRecord>) -> Result<u64, DatasetError> {
-        folder::sync(&folder::parts_dir(&self.dir));
+        // A part whose name is lost is computed again.
+        write::sync_folder(&folder::parts_dir(&self.dir));
         if !records.is_empty() {
             let _lock = lock::manifest(&self.dir)?;
             let mut manifest = read_manifest(&self.dir)?;

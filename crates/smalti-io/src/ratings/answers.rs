@@ -196,9 +196,7 @@ impl AnswerFolder {
         };
         write::durable(&path, &first.text(&path)?)?;
         // The name of a new file is durable once its folder is.
-        if let Ok(folder) = File::open(&self.dir) {
-            let _ = folder.sync_all();
-        }
+        write::sync_folder(&self.dir);
         let own = AnswerFile::open(path)?;
         let (display, secret_blake3) = (display.clone(), secret_blake3.to_owned());
         Ok((Observer { number, display, trials: Vec::new(), secret_blake3 }, own))

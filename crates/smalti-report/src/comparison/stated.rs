@@ -11,6 +11,7 @@ use super::results::{CommandLine, Comparison};
 
 /// What the report of a comparison states besides its outcomes, made from the same input by `smalti compare`, a proof and the studio.
 pub struct Stated<'a> {
+    all: (&'a [Camera], &'a [String]),
     contenders: &'a [Contender<'a>],
     settings: &'a ComparisonSettings,
     /// The cameras that are compared; others were left out.
@@ -28,18 +29,14 @@ impl<'a> Stated<'a> {
     /// # Errors
     /// When the descriptions of the cameras cannot be compared.
     pub fn new(
-        (cameras, labels): (&[Camera], &[String]),
+        all: (&'a [Camera], &'a [String]),
         contenders: &'a [Contender<'a>],
         settings: &'a ComparisonSettings,
         scene_label: impl Fn(&str) -> String,
     ) -> Result<Self, ExperimentError> {
         let is_compared = |label: &String| contenders.iter().any(|c| c.label == label);
-        let (cameras, labels): (Vec<Camera>, Vec<String>) = cameras
-            .iter()
-            .cloned()
-            .zip(labels.iter().cloned())
-            .filter(|(_, label)| is_compared(label))
-            .unzip();
+        let (cameras, labels): (Vec<Camera>, Vec<String>) =
+            all.0.iter().cloned().zip(all.1.iter().cloned()).filter(|(_, label)| is_compared(label)).unzip();
         let learned_only = contenders.iter().all(|c| c.processing == Processing::L3);
         let isp = if learned_only { IspKeys::Unused } else { IspKeys::ColorMatrix };
         Ok(Self {
@@ -47,6 +44,7 @@ impl<'a> Stated<'a> {
             scene_labels: settings.scenes.iter().map(|s| scene_label(s.name())).collect(),
             own_light: settings.scenes.iter().map(TestScene::keeps_light).collect(),
             illuminant: settings.illuminant.name(),
+            all,
             contenders,
             settings,
             cameras,
@@ -60,20 +58,19 @@ impl<'a> Stated<'a> {
         Self { illuminant: name.to_owned(), ..self }
     }
 
-    /// The report of a comparison, without light gains. `left_out` the names of contenders whose processing is not
+    /// The report of a comparison, without light gains. `left_out` has the names of contenders whose processing is not
     /// defined for their camera.
     #[must_use]
     pub fn report(
         &'a self,
         command: &'a CommandLine,
-        (cameras, labels): (&'a [Camera], &'a [String]),
         left_out: &'a [String],
         compared: &'a Compared,
     ) -> Comparison<'a> {
         Comparison {
             command,
-            cameras,
-            labels,
+            cameras: self.all.0,
+            labels: self.all.1,
             contenders: self.contenders,
             left_out,
             outcomes: &compared.outcomes,

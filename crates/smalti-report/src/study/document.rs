@@ -123,9 +123,10 @@ fn trial(section: &Section<'_>, row: usize) -> Result<Value, ReportError> {
     out.insert("fwhm_nm".into(), list(|f| f.fwhm_nm).into());
     out.insert("peak".into(), list(|f| f.peak).into());
     // As a camera file states it, for the camera of the section.
-    let fixed = section.results.setup(section.setup).map(|(condition, _)| condition.camera.clone());
-    let array = trial.design.camera(&fixed.unwrap_or_default()).sensor.cfa;
-    out.insert("cfa".into(), serde_json::to_value(array)?);
+    if let Some((condition, _)) = section.results.setup(section.setup) {
+        let array = trial.design.camera(&condition.camera).sensor.cfa;
+        out.insert("cfa".into(), serde_json::to_value(array)?);
+    }
     Ok(out.into())
 }
 

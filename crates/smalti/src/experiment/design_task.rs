@@ -82,14 +82,7 @@ impl DesignedCfa {
         });
         let place = |cell: &u8| order.iter().position(|i| *i == usize::from(*cell)).map(|p| p as u8);
         let cells = self.mosaic.cells().iter().map(place).collect::<Option<Vec<u8>>>()?;
-        let filter = |i: &usize| {
-            let (t, grid) = (&best.transmittances[*i], best.transmittances[*i].grid());
-            Filter::Samples {
-                start_nm: grid.start_nm(),
-                step_nm: grid.step_nm(),
-                values: t.values().to_vec(),
-            }
-        };
+        let filter = |i: &usize| Filter::sampled(&best.transmittances[*i]);
         Some(Design {
             filters: FilterSet { label: self.name.clone(), filters: order.iter().map(filter).collect() },
             mosaic: Mosaic::new(self.mosaic.rows(), self.mosaic.cols(), cells).ok()?,

@@ -8,6 +8,7 @@ use crate::camera::PICTURE_METRICS;
 use crate::metrics::{Better, metric_info};
 use crate::rating::{
     Agreement, Level, ObserverChoices, PsychometricFit, Question, Scales, Screening, equality, scale, screen,
+    summed,
 };
 
 /// A rating experiment with its answers, as plain values.
@@ -143,19 +144,12 @@ impl RatingAnswers {
 
     fn light(&self, kept: &[&ObserverChoices], standard: usize) -> RatingResult {
         let by_observer: Vec<Vec<Level>> = kept.iter().map(|choices| self.levels(choices)).collect();
-        let mut levels = by_observer.first().cloned().unwrap_or_default();
-        for own in by_observer.iter().skip(1) {
-            for (sum, level) in levels.iter_mut().zip(own) {
-                sum.chosen += level.chosen;
-                sum.asked += level.asked;
-            }
-        }
         let varied = self.varied().next().and_then(|c| self.conditions.get(c));
         RatingResult::Light {
             varied: varied.map_or_else(String::new, |c| c.contender.clone()),
             standard: self.conditions.get(standard).map_or_else(String::new, |c| c.name.clone()),
             fit: equality(&by_observer, self.seed),
-            levels,
+            levels: summed(&by_observer, &vec![1; by_observer.len()]),
         }
     }
 }

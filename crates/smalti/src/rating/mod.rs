@@ -32,6 +32,7 @@ pub use analysis::{Agreement, ObserverChoices, Reason, ScaledConditions, Scales,
 pub use counts::Counts;
 pub use intervals::{IntervalBasis, ObserverResamples, percentiles};
 pub use model::{JOD_DEVIATION, Model};
+pub(crate) use psychometric::summed;
 pub use psychometric::{Level, MAX_LAPSE, Psychometric, PsychometricFit, equality};
 pub use rank::{kendall_tau_b, spearman_rho};
 pub use scale::{Penalty, Scale, ScaleError, fit, fit_from};

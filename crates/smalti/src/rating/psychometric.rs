@@ -191,7 +191,7 @@ pub fn equality(observers: &[Vec<Level>], seed: u64) -> Option<PsychometricFit> 
 }
 
 /// The sums over observers, each counted a number of times.
-fn summed(observers: &[Vec<Level>], times: &[u32]) -> Vec<Level> {
+pub(crate) fn summed(observers: &[Vec<Level>], times: &[u32]) -> Vec<Level> {
     let Some(first) = observers.first() else { return Vec::new() };
     let mut all: Vec<Level> = first.iter().map(|l| Level { chosen: 0.0, asked: 0.0, ..*l }).collect();
     for (own, times) in observers.iter().zip(times) {

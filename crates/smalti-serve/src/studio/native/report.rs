@@ -57,7 +57,7 @@ pub(super) fn report(native: &Native, wanted: &Report, watch: &Watch) -> Result<
         names::file_names(labels.iter().map(String::as_str)).into_iter().map(|n| n + ".toml").collect();
     let command = command(wanted, &files);
     let stated = Stated::new((&cameras, &labels), &contenders, &settings, scene_label)?;
-    let comparison = stated.report(&command, (&cameras, &labels), &left_out, &compared);
+    let comparison = stated.report(&command, &left_out, &compared);
     let said = serde_json::json!({"verdict": comparison.verdict_text()});
     Ok(Found { said, files: vec![("page", page(&comparison)?.into_bytes())] })
 }

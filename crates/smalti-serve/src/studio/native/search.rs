@@ -4,13 +4,12 @@ use serde_json::json;
 use smalti::camera::Camera;
 use smalti::camera::description::CameraDescription;
 use smalti::design::light::LightSettings;
-use smalti::design::live::{
-    FoundChannel, LiveLocks, live_conditions, live_objective, sampled_filter, with_array,
-};
+use smalti::design::live::{FoundChannel, LiveLocks, live_conditions, live_objective, with_array};
 use smalti::design::screen::ExpectedError;
 use smalti::design::search::{Annealing, FreeCurves, LayoutRules, Locks, SearchSettings, Tolerance};
 use smalti::design::{MosaicFamily, Symmetry, Tile};
 use smalti::experiment::{DesignTask, DesignedCfa, ForgetfulStore, design, light_statistics};
+use smalti::sensor::Filter;
 use smalti::spectrum::Spectrum;
 
 use super::capture::LIGHT;
@@ -119,10 +118,7 @@ fn kept(camera: &Camera, Locks { filters, cells }: Locks) -> Kept {
         };
         (0..mosaic.cols()).map(cell).collect::<String>()
     };
-    let given = |channel: usize| {
-        let t = &channels[channel].transmittance;
-        (letter(place(channel)), sampled_filter(t))
-    };
+    let given = |channel: usize| (letter(place(channel)), Filter::sampled(&channels[channel].transmittance));
     let rules = LayoutRules {
         kept: if count == 0 { Vec::new() } else { (0..mosaic.rows()).map(line).collect() },
         filters: (0..channels.len()).filter(|c| filters[*c]).map(given).collect(),

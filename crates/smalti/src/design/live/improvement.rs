@@ -110,17 +110,6 @@ impl LiveLocks {
     }
 }
 
-/// A transmittance as the samples of a camera file.
-#[must_use]
-pub fn sampled_filter(transmittance: &Spectrum) -> Filter {
-    let grid = transmittance.grid();
-    Filter::Samples {
-        start_nm: grid.start_nm(),
-        step_nm: grid.step_nm(),
-        values: transmittance.values().to_vec(),
-    }
-}
-
 /// A channel of an array that was found.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FoundChannel {
@@ -138,7 +127,7 @@ pub fn with_array(design: &CameraDescription, mosaic: &Mosaic, found: &[FoundCha
     let mut filters = design.sensor.cfa.filters.clone();
     for FoundChannel { letter, transmittance, stays } in found {
         if !(*stays && filters.contains_key(letter)) {
-            filters.insert(letter.clone(), sampled_filter(transmittance));
+            filters.insert(letter.clone(), Filter::sampled(transmittance));
         }
     }
     let letter = |row, col| found.get(mosaic.channel_at(row, col)).map_or("", |f| f.letter.as_str());

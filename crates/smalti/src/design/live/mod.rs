@@ -12,8 +12,7 @@ mod target_light;
 mod targets;
 
 pub use improvement::{
-    FoundChannel, LiveFamily, LiveLockError, LiveLocks, live_conditions, live_objective, sampled_filter,
-    with_array,
+    FoundChannel, LiveFamily, LiveLockError, LiveLocks, live_conditions, live_objective, with_array,
 };
 pub use learner::{LiveDesign, LiveLearner};
 pub use pictures::{LiveCrop, LivePicture, LivePictures};

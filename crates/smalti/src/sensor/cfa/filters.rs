@@ -143,6 +143,17 @@ fn one() -> f64 {
 }
 
 impl Filter {
+    /// A transmittance as samples on its own grid.
+    #[must_use]
+    pub fn sampled(transmittance: &Spectrum) -> Self {
+        let grid = transmittance.grid();
+        Self::Samples {
+            start_nm: grid.start_nm(),
+            step_nm: grid.step_nm(),
+            values: transmittance.values().to_vec(),
+        }
+    }
+
     /// The transmittance on a grid.
     ///
     /// # Errors
