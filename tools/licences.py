@@ -61,7 +61,9 @@ def texts(package: dict) -> list[str]:
     mit = [f for f in files if "mit" in f.name.lower()]
     if mit and "MIT" in expression and " AND " not in expression:
         files = mit + [f for f in files if "notice" in f.name.lower()]
-    return [f.read_text("utf-8", "replace").replace("\r\n", "\n").strip() for f in files]
+    # C code that a crate brings has a licence of its own, the same in each of its versions.
+    files += sorted(folder.glob("c_src/**/LICENSE"))
+    return list(dict.fromkeys(f.read_text("utf-8", "replace").replace("\r\n", "\n").strip() for f in files))
 
 
 def permits(expression: str, allowed: set[str]) -> bool:

@@ -193,9 +193,10 @@ impl IntegratedScene {
     /// When a curve does not cover the wavelengths of the image.
     pub(crate) fn new(setup: Setup) -> Result<Self, CameraError> {
         let Setup { camera, image, .. } = &setup;
-        let (rates, seen) =
-            rayon::join(|| ElectronRates::new(&camera.sensor, image), || camera.seen_by_observer(image));
-        let (rates, seen) = (rates?, seen?);
+        let witness = camera.witness(&camera.observer_channels()?)?;
+        let sensors = [[&camera.sensor, &witness.sensor]];
+        let [rates, witnessed] = ElectronRates::of_all(&sensors, image)?.swap_remove(0);
+        let seen = witness.seen((&witnessed, 1.0))?;
         Ok(Self { setup, rates, seen })
     }
 

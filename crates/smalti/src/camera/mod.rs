@@ -54,6 +54,7 @@ pub use ranges::{KEY_RANGES, KeyRange};
 pub(crate) use score::picture_cpsnr_db;
 pub use score::{PICTURE_METRICS, PictureScores, ScoreSettings, score_picture};
 pub use test_scene::TestScene;
+pub(crate) use training::Stand;
 pub use training::{LevelRule, TrainingSettings, TrainingTarget};
 pub use training_set::{
     DEFAULT_TRAINING_LIGHT, NoStoredScenes, StoredTrainingScenes, TRAINING_SET_REVISION, TrainingContent,

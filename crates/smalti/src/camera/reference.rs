@@ -20,7 +20,8 @@ use crate::isp::IspError;
 use crate::numeric::Planes;
 use crate::optics::OpticalImage;
 use crate::sensor::{
-    Binning, BinningMode, Cfa, Channel, ColorArchitecture, Exposure, Mosaic, NonUniformity, Pixel, Sensor,
+    Binning, BinningMode, Cfa, Channel, ColorArchitecture, Exposure, Light, Mosaic, NonUniformity, Pixel,
+    Sensor,
 };
 use crate::spectrum::{Extrapolation, Observer, Spectrum};
 
@@ -38,7 +39,7 @@ impl Camera {
     pub fn reference(&self, image: &OpticalImage) -> Result<Image, CameraError> {
         let weights = Observer::Cie1931.photon_weights(self.grid())?;
         let largest = weights.iter().map(Spectrum::max).fold(0.0, f64::max);
-        let (volts, _) = self.volts_through(image, &xyz(&weights), largest)?;
+        let volts = self.witness_of(&xyz(&weights), largest)?.volts(image)?;
         Ok(Image::new(ColorSpace::Xyz, volts)?)
     }
 
@@ -95,6 +96,11 @@ impl Camera {
     /// # Errors
     /// When there is no sensitivity, one is negative, or all are zero; and as [`Sensor::expected_volts`].
     pub fn seen_by(&self, image: &OpticalImage, targets: &[Channel]) -> Result<Planes, CameraError> {
+        self.witness(targets)?.seen(image)
+    }
+
+    /// The sensor whose response [`Camera::seen_by`] states.
+    pub(super) fn witness(&self, targets: &[Channel]) -> Result<Witness, CameraError> {
         let lens = self.optics.transmittance_on(self.grid())?;
         let before = |c: &Channel| {
             let mut passes = lens.values().iter();
@@ -107,10 +113,7 @@ impl Camera {
         };
         let targets = targets.iter().map(before).collect::<Result<Vec<_>, CameraError>>()?;
         let largest = targets.iter().map(|c| c.transmittance.max()).fold(0.0, f64::max);
-        let (mut volts, volts_per_unit) = self.volts_through(image, &targets, largest)?;
-        let scale = (1.0 / volts_per_unit) as f32;
-        volts.data_mut().iter_mut().for_each(|v| *v *= scale);
-        Ok(volts)
+        self.witness_of(&targets, largest)
     }
 
     /// The factor from the planes of [`Camera::seen_by`] to the scale of a picture: a perfect white diffuser that just saturates
@@ -146,14 +149,8 @@ impl Camera {
         Ok(brightest * per_photon / seen)
     }
 
-    /// The volts of pixels with other sensitivities, whose largest value is `largest`, and the volts per unit of
-    /// ∫ sensitivity · irradiance.
-    fn volts_through(
-        &self,
-        image: &OpticalImage,
-        targets: &[Channel],
-        largest: f64,
-    ) -> Result<(Planes, f64), CameraError> {
+    /// Pixels with other sensitivities, whose largest value is `largest`.
+    fn witness_of(&self, targets: &[Channel], largest: f64) -> Result<Witness, CameraError> {
         if largest <= 0.0 {
             return Err(IspError::NoResponse("the target").into());
         }
@@ -182,7 +179,29 @@ impl Camera {
         };
         let sensor = Sensor { pixel, ..sensor };
         let volts_per_unit = OBSERVER_V_PER_E * pixel.photodetector_area_m2() / largest;
-        Ok((sensor.expected_volts(image, &Exposure::new(1.0))?, volts_per_unit))
+        Ok(Witness { sensor, volts_per_unit })
+    }
+}
+
+/// Other sensitivities behind the lens and the pixels of a camera: a sensor without noise, mosaic and saturation.
+#[derive(Debug, Clone)]
+pub(crate) struct Witness {
+    pub(crate) sensor: Sensor,
+    /// Of ∫ sensitivity · irradiance.
+    volts_per_unit: f64,
+}
+
+impl Witness {
+    fn volts<'a>(&self, light: impl Into<Light<'a>>) -> Result<Planes, CameraError> {
+        Ok(self.sensor.expected_volts(light, &Exposure::new(1.0))?)
+    }
+
+    /// The response, as [`Camera::seen_by`] states it.
+    pub(crate) fn seen<'a>(&self, light: impl Into<Light<'a>>) -> Result<Planes, CameraError> {
+        let mut volts = self.volts(light)?;
+        let scale = (1.0 / self.volts_per_unit) as f32;
+        volts.data_mut().iter_mut().for_each(|v| *v *= scale);
+        Ok(volts)
     }
 }
 

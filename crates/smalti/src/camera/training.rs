@@ -3,12 +3,13 @@
 use serde::Serialize;
 
 use super::chart::LUMINANCE;
+use super::reference::Witness;
 use super::score::limit_brightness;
 use super::{Camera, CameraError};
 use crate::isp::IspError;
 use crate::l3::{Axes, L3Error, Learner, Levels, Pair, RefinementAxes, Statistics, Textures};
 use crate::numeric::Planes;
-use crate::optics::{OpticalImage, Optics, OpticsModel};
+use crate::optics::{Optics, OpticsModel};
 use crate::scene::{self, Scene, Setting};
 use crate::sensor::{Channel, ElectronRates, Exposure, NoiseMode, Sensor};
 use crate::spectrum::{Extrapolation, Illuminant, Observer, Spectrum};
@@ -103,6 +104,47 @@ impl Default for TrainingSettings {
             exposures: Vec::new(),
             seed: 1,
         }
+    }
+}
+
+impl TrainingSettings {
+    /// Whether the targets have optical images of their own.
+    pub(crate) fn has_own_images(&self) -> bool {
+        self.sharp || self.target_light.is_some()
+    }
+}
+
+/// A camera before a scene, ready to learn from its light.
+pub(crate) struct Stand {
+    /// The camera, as large as the scene.
+    camera: Camera,
+    exposure: Exposure,
+    /// Its sensor in the light that the scene is built under.
+    sensor: Sensor,
+    /// The sensitivities of the target in the same light.
+    witness: Witness,
+    /// The illuminant, photons.
+    light: Spectrum,
+}
+
+impl Stand {
+    /// The sensors of camera and target, whose rates [`Stand::learn`] needs.
+    pub(crate) fn sensors(&self) -> [&Sensor; 2] {
+        [&self.sensor, &self.witness.sensor]
+    }
+
+    /// Adds the scene at every exposure.
+    pub(crate) fn learn(
+        &self,
+        learner: &mut dyn Learner,
+        [rates, witnessed]: &[ElectronRates; 2],
+        settings: &TrainingSettings,
+        item: u64,
+    ) -> Result<(), CameraError> {
+        let Self { camera, exposure, witness, light, .. } = self;
+        let seen = witness.seen((witnessed, 1.0))?;
+        let target = &camera.target_as_exposed(seen, &settings.target, exposure, light)?;
+        camera.add_exposures(learner, SeenScene { rates, target, light }, exposure, settings, item)
     }
 }
 
@@ -222,70 +264,53 @@ impl Camera {
         item: u64,
     ) -> Result<(), CameraError> {
         let image = self.optics.image(scene)?;
-        self.train_on_image(learner, scene, &image, settings, item)
+        if settings.has_own_images() {
+            let camera = self.with_scene_size(scene)?;
+            let exposure = camera.nominal_exposure()?;
+            let target = camera.training_target(scene, settings, &exposure)?;
+            let rates = ElectronRates::new(&camera.sensor, &image)?;
+            let seen = SeenScene { rates: &rates, target: &target, light: scene.illuminant() };
+            return camera.add_exposures(learner, seen, &exposure, settings, item);
+        }
+        let stand = self.stand(scene, None, settings)?;
+        for rates in ElectronRates::of_all(&[stand.sensors()], &image)? {
+            stand.learn(learner, &rates, settings, item)?;
+        }
+        Ok(())
     }
 
-    /// [`Camera::train_on`] with the optical image of the scene on this camera.
-    pub(crate) fn train_on_image(
+    /// This camera before a scene, whose target has no optical image of its own. With an illuminant, the scene is as if under it, which
+    /// may differ from the relit scene by a common factor and by rounding: the ratio of the lights multiplies the sensitivities instead.
+    pub(crate) fn stand(
         &self,
-        learner: &mut dyn Learner,
         scene: &Scene,
-        image: &OpticalImage,
+        illuminant: Option<&Illuminant>,
         settings: &TrainingSettings,
-        item: u64,
-    ) -> Result<(), CameraError> {
+    ) -> Result<Stand, CameraError> {
         let camera = self.with_scene_size(scene)?;
         let exposure = camera.nominal_exposure()?;
-        let target = camera.training_target(scene, image, settings, &exposure)?;
-        let rates = ElectronRates::new(&camera.sensor, image)?;
-        let seen = SeenScene { rates: &rates, target: &target, light: scene.illuminant() };
-        camera.add_exposures(learner, seen, &exposure, settings, item)
-    }
-
-    /// [`Camera::train_on`] with a scene and its optical image as if under another illuminant, which may differ from the relit
-    /// scene by a common factor and by rounding. Neither is copied: the ratio of the lights multiplies the sensitivities instead.
-    pub(crate) fn train_on_relit(
-        &self,
-        learner: &mut dyn Learner,
-        (scene, image): (&Scene, &OpticalImage),
-        illuminant: &Illuminant,
-        settings: &TrainingSettings,
-        item: u64,
-    ) -> Result<(), CameraError> {
-        if settings.sharp || settings.target_light.is_some() {
-            // These targets have optical images of their own.
-            return self.train_on(learner, &scene.clone().relit(illuminant)?, settings, item);
-        }
+        let channels = match &settings.target {
+            TrainingTarget::Xyz => camera.observer_channels()?,
+            TrainingTarget::Channels(channels) => channels.clone(),
+        };
+        let Some(illuminant) = illuminant else {
+            let (sensor, light) = (camera.sensor.clone(), scene.illuminant().clone());
+            return Ok(Stand { witness: camera.witness(&channels)?, camera, exposure, sensor, light });
+        };
         let light = illuminant.photons(self.grid())?;
         let ratios = scene.ratios_to(&light)?;
         // At most 1, so that a quantum efficiency remains one.
         let largest = ratios.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
         let ratios = Spectrum::new(self.grid(), ratios.iter().map(|r| r / largest).collect())?;
         let in_light = |curve: &Spectrum, beyond| curve.resampled(self.grid(), beyond)?.times(&ratios);
-        let camera = self.with_scene_size(scene)?;
-        let exposure = camera.nominal_exposure()?;
-        let relit = |channels: &[Channel]| -> Result<Vec<Channel>, CameraError> {
-            let channel = |c: &Channel| {
-                let transmittance = in_light(&c.transmittance, Extrapolation::Zero)?;
-                Ok(Channel { name: c.name.clone(), transmittance })
-            };
-            channels.iter().map(channel).collect()
+        let relit = |c: &Channel| -> Result<Channel, CameraError> {
+            let transmittance = in_light(&c.transmittance, Extrapolation::Zero)?;
+            Ok(Channel { name: c.name.clone(), transmittance })
         };
-        let target = match &settings.target {
-            TrainingTarget::Xyz => {
-                let seen = camera.seen_by(image, &relit(&camera.observer_channels()?)?)?;
-                camera.as_exposed(seen, &exposure, &light)?.into_planes()
-            }
-            TrainingTarget::Channels(channels) => {
-                let seen = camera.seen_by(image, &relit(channels)?)?;
-                camera.channels_as_exposed(&seen, channels, &exposure, &light)?
-            }
-        };
+        let channels = channels.iter().map(relit).collect::<Result<Vec<_>, _>>()?;
         let quantum_efficiency = in_light(&camera.sensor.quantum_efficiency, Extrapolation::Error)?;
         let sensor = Sensor { quantum_efficiency, ..camera.sensor.clone() };
-        let rates = ElectronRates::new(&sensor, image)?;
-        let seen = SeenScene { rates: &rates, target: &target, light: &light };
-        camera.add_exposures(learner, seen, &exposure, settings, item)
+        Ok(Stand { witness: camera.witness(&channels)?, camera, exposure, sensor, light })
     }
 
     /// Adds a scene at every exposure. This camera has as many pixels as the scene covers.
@@ -345,31 +370,35 @@ impl Camera {
     fn training_target(
         &self,
         scene: &Scene,
-        image: &OpticalImage,
         settings: &TrainingSettings,
         exposure: &Exposure,
     ) -> Result<Planes, CameraError> {
-        let light = scene.illuminant();
-        let own;
-        let image = if settings.sharp || settings.target_light.is_some() {
-            let optics = match settings.sharp {
-                true => Optics { model: OpticsModel::Pinhole, ..self.optics.clone() },
-                false => self.optics.clone(),
-            };
-            let scene = match &settings.target_light {
-                Some(other) => relit_white(scene, other)?,
-                None => scene.clone(),
-            };
-            own = optics.image(&scene)?;
-            &own
-        } else {
-            image
+        let optics = match settings.sharp {
+            true => Optics { model: OpticsModel::Pinhole, ..self.optics.clone() },
+            false => self.optics.clone(),
         };
-        match &settings.target {
-            TrainingTarget::Xyz => Ok(self.reference_as_exposed(image, exposure, light)?.into_planes()),
-            TrainingTarget::Channels(channels) => {
-                self.channels_as_exposed(&self.seen_by(image, channels)?, channels, exposure, light)
-            }
+        let image = match &settings.target_light {
+            Some(other) => optics.image(&relit_white(scene, other)?)?,
+            None => optics.image(scene)?,
+        };
+        let seen = match &settings.target {
+            TrainingTarget::Xyz => self.seen_by_observer(&image)?,
+            TrainingTarget::Channels(channels) => self.seen_by(&image, channels)?,
+        };
+        self.target_as_exposed(seen, &settings.target, exposure, scene.illuminant())
+    }
+
+    /// The response of the target's sensitivities, scaled to an exposure under an illuminant.
+    fn target_as_exposed(
+        &self,
+        seen: Planes,
+        target: &TrainingTarget,
+        exposure: &Exposure,
+        light: &Spectrum,
+    ) -> Result<Planes, CameraError> {
+        match target {
+            TrainingTarget::Xyz => Ok(self.as_exposed(seen, exposure, light)?.into_planes()),
+            TrainingTarget::Channels(channels) => self.channels_as_exposed(&seen, channels, exposure, light),
         }
     }
 

@@ -11,13 +11,12 @@ use super::training_statistics::{WhiteIn, ensure_mosaic, fresh_statistics, secon
 use super::{ExperimentError, Resources};
 use crate::camera::stable_text::stable_text;
 use crate::camera::{
-    Camera, CameraDescription, CameraError, StoredTrainingScenes, TRAINING_SET_REVISION, TrainingScene,
+    Camera, CameraDescription, CameraError, Stand, StoredTrainingScenes, TRAINING_SET_REVISION, TrainingScene,
     TrainingSettings, training_reflectances, training_scenes,
 };
 use crate::l3::{self, Learner, Pipeline, Quality, Statistics, Training};
-use crate::optics::OpticalImage;
 use crate::scene::Scene;
-use crate::sensor::Channel;
+use crate::sensor::{Channel, ElectronRates};
 use crate::spectrum::{Illuminant, Spectrum};
 
 /// All inputs of training statistics, for the cache key.
@@ -50,6 +49,11 @@ impl DefaultTraining<'_> {
     fn shares_images_with(&self, other: &Self) -> bool {
         let (a, b) = (self.camera, other.camera);
         a.optics == b.optics && a.sensor.pixel.pitch_m == b.sensor.pixel.pitch_m && a.grid() == b.grid()
+    }
+
+    /// Its illuminant, if it is not this one.
+    fn light_instead_of(&self, other: &Illuminant) -> Option<&Illuminant> {
+        (self.light != other).then_some(self.light)
     }
 
     fn key(
@@ -195,36 +199,49 @@ fn add_default_set<L: Learner>(
             ensure_running(progress)?;
             let of = if count == 1 { first.label.to_owned() } else { format!("{count} pipelines") };
             progress.begin(&format!("training {of}: {}", scene.content.name()));
-            let imaged = || -> Result<_, CameraError> {
-                let built = scene.build(first.camera, &reflectances, stored)?;
-                Ok((first.camera.optics.image(&built)?, built))
-            };
-            let context = || format!("scene {}", scene.content);
-            let (image, built) = imaged().in_context(context).map_err(|e| e.of_camera(first.label))?;
-            group.par_iter_mut().try_for_each(|g| {
-                let added = g.add((&built, &image), (scene, settings, item));
-                added.in_context(context).map_err(|e| e.of_camera(g.of.label))
-            })?;
+            let built = scene.build(first.camera, &reflectances, stored);
+            let built = built.in_context(|| format!("scene {}", scene.content));
+            let built = built.map_err(|e| e.of_camera(first.label))?;
+            add_scene(group, (scene, &built), settings, item)?;
             progress.done();
         }
     }
     Ok(())
 }
 
-impl<L: Learner> Gathering<'_, L> {
-    /// Adds a scene that was built and imaged under the light of the set's scene.
-    fn add(
-        &mut self,
-        (built, image): (&Scene, &OpticalImage),
-        (scene, settings, item): (&TrainingScene, &TrainingSettings, u64),
-    ) -> Result<(), CameraError> {
-        let DefaultTraining { camera, light, .. } = self.of;
-        self.learner.weigh(scene.content.times());
-        if *light == scene.light {
-            return camera.train_on_image(&mut self.learner, built, image, settings, item);
-        }
-        camera.train_on_relit(&mut self.learner, (built, image), light, settings, item)
+/// Adds a scene that was built under the light of the set's scene to all trainings, which share its optical image.
+fn add_scene<L: Learner>(
+    group: &mut [&mut Gathering<'_, L>],
+    (scene, built): (&TrainingScene, &Scene),
+    settings: &TrainingSettings,
+    item: u64,
+) -> Result<(), ExperimentError> {
+    let failed = |e: CameraError, of: &DefaultTraining<'_>| {
+        ExperimentError::stage(format!("scene {}", scene.content), e).of_camera(of.label)
+    };
+    let Some(first) = group.first().map(|g| g.of) else { return Ok(()) };
+    group.iter_mut().for_each(|g| g.learner.weigh(scene.content.times()));
+    if settings.has_own_images() {
+        return group.par_iter_mut().try_for_each(|g| {
+            let relit = g.of.light_instead_of(&scene.light).map(|light| built.clone().relit(light)).transpose();
+            let relit = relit.map_err(|e| failed(e.into(), &g.of))?;
+            let added =
+                g.of.camera.train_on(&mut g.learner, relit.as_ref().unwrap_or(built), settings, item);
+            added.map_err(|e| failed(e, &g.of))
+        });
     }
+    let image = first.camera.optics.image(built).map_err(|e| failed(e.into(), &first))?;
+    let stand = |g: &&mut Gathering<'_, L>| {
+        let stand = g.of.camera.stand(built, g.of.light_instead_of(&scene.light), settings);
+        stand.map_err(|e| failed(e, &g.of))
+    };
+    let stands = group.iter().map(stand).collect::<Result<Vec<_>, _>>()?;
+    let sensors: Vec<_> = stands.iter().map(Stand::sensors).collect();
+    let rates = ElectronRates::of_all(&sensors, &image).map_err(|e| failed(e.into(), &first))?;
+    let learning = group.par_iter_mut().zip(&stands).zip(&rates);
+    learning.try_for_each(|((g, stand), rates)| {
+        stand.learn(&mut g.learner, rates, settings, item).map_err(|e| failed(e, &g.of))
+    })
 }
 
 #[cfg(test)]
@@ -257,9 +274,8 @@ mod tests {
         let (d65, a) = (under(&Illuminant::D65), under(&Illuminant::A));
         let statistics = |scene: &TrainingScene| {
             let built = scene.build(&camera, &reflectances, &NoStoredScenes).unwrap();
-            let image = camera.optics.image(&built).unwrap();
             let mut gathering = gathering(&camera, &Illuminant::A, &settings);
-            gathering.add((&built, &image), (scene, &settings, 7)).unwrap();
+            add_scene(&mut [&mut gathering], (scene, &built), &settings, 7).unwrap();
             gathering.learner
         };
         let (direct, relit) = (statistics(&a), statistics(&d65));

@@ -75,7 +75,7 @@ impl Sensor {
         }
     }
 
-    fn electrons_from(&self, rates: &impl Rates, time_s: f64) -> Planes {
+    pub(super) fn electrons_from(&self, rates: &impl Rates, time_s: f64) -> Planes {
         let w = self.read_window();
         let planes = self.sampling().planes();
         let mut out = Planes::zeros(w.rows, w.cols, planes);
@@ -96,8 +96,12 @@ impl Sensor {
     ///
     /// # Errors
     /// When the sensor or the exposure is invalid, or a curve does not cover the wavelengths of the image.
-    pub fn expected_volts(&self, image: &OpticalImage, exposure: &Exposure) -> Result<Planes, SensorError> {
-        let volts = self.read_out::<f32>(image.into(), exposure, NoiseMode::None, 0)?;
+    pub fn expected_volts<'a>(
+        &self,
+        light: impl Into<Light<'a>>,
+        exposure: &Exposure,
+    ) -> Result<Planes, SensorError> {
+        let volts = self.read_out::<f32>(light.into(), exposure, NoiseMode::None, 0)?;
         let w = self.read_window();
         Ok(Planes::new(w.rows, w.cols, self.sampling().planes(), volts)?)
     }

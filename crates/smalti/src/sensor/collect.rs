@@ -9,6 +9,7 @@ use super::geometry::{AxisGeometry, Taps};
 use super::{ColorArchitecture, Sensor, SensorError};
 use crate::numeric::simd::{Kernel, dispatch};
 use crate::optics::OpticalImage;
+use crate::spectrum::Spectrum;
 
 /// A source of photoelectron rates before crosstalk.
 pub(super) trait Rates: Sync {
@@ -22,7 +23,7 @@ pub(super) trait Rates: Sync {
 
 /// The light on a sensor, integrated over wavelength, for row-by-row collection.
 pub(super) struct Collector<'a> {
-    sensor: &'a Sensor,
+    pub(super) sensor: &'a Sensor,
     /// Photoelectrons per second of a photodetector that a sample covers completely: row, channel, column.
     rates: Vec<f32>,
     channels: usize,
@@ -74,21 +75,67 @@ impl Sensor {
 impl<'a> Collector<'a> {
     /// Integrates the visible part of the image over wavelength.
     pub(super) fn new(sensor: &'a Sensor, image: &OpticalImage) -> Result<Self, SensorError> {
-        let cube = image.irradiance();
-        let scale = cube.grid().step_nm() * sensor.pixel.photodetector_area_m2();
-        let responsivity = sensor.spectral_responsivity_on(cube.grid())?;
-        let weights: Vec<Vec<f32>> =
-            responsivity.iter().map(|r| r.values().iter().map(|v| (v * scale) as f32).collect()).collect();
+        let mut collector = Self::dark(sensor, image);
+        collector.integrate_with(&mut [], image)?;
+        Ok(collector)
+    }
+
+    /// [`Collector::new`] for several sensors, of which each has `N` sensitivities. Those that see the same part of the image share one
+    /// pass of it, which takes longer than the products.
+    pub(super) fn of_all<const N: usize>(
+        sensors: &[[&'a Sensor; N]],
+        image: &OpticalImage,
+    ) -> Result<Vec<[Self; N]>, SensorError> {
+        let mut all: Vec<[Self; N]> = sensors.iter().map(|s| s.map(|s| Self::dark(s, image))).collect();
+        let mut left: Vec<&mut Self> = all.iter_mut().flatten().collect();
+        while !left.is_empty() {
+            let first = left.swap_remove(0);
+            let (mut alike, others): (Vec<_>, Vec<_>) = left
+                .into_iter()
+                .partition(|c| c.rows.used == first.rows.used && c.cols.used == first.cols.used);
+            first.integrate_with(&mut alike, image)?;
+            left = others;
+        }
+        Ok(all)
+    }
+
+    /// Without light.
+    fn dark(sensor: &'a Sensor, image: &OpticalImage) -> Self {
         let origin = sensor.gathered().map(|range| range.start);
         let (rows, cols) = sensor.taps(image);
-        let (width, channels) = (cols.used.len(), weights.len());
-        let mut rates = vec![0.0f32; rows.used.len() * channels * width];
+        let (width, channels) = (cols.used.len(), sensor.cfa.channels().len());
+        let rates = vec![0.0f32; rows.used.len() * channels * width];
+        Self { sensor, rates, channels, width, rows, cols, origin }
+    }
+
+    /// The weight of every wavelength of the image, for each channel.
+    fn weights(&self, image: &OpticalImage) -> Result<Vec<Vec<f32>>, SensorError> {
+        let grid = image.irradiance().grid();
+        let scale = grid.step_nm() * self.sensor.pixel.photodetector_area_m2();
+        let weights = |r: &Spectrum| r.values().iter().map(|v| (v * scale) as f32).collect();
+        Ok(self.sensor.spectral_responsivity_on(grid)?.iter().map(weights).collect())
+    }
+
+    /// Integrates an image over wavelength, also for others that see the same part of it.
+    fn integrate_with(&mut self, others: &mut [&mut Self], image: &OpticalImage) -> Result<(), SensorError> {
+        let mut weights = self.weights(image)?;
+        for other in others.iter() {
+            weights.extend(other.weights(image)?);
+        }
+        let (cube, width) = (image.irradiance(), self.width);
+        let (first_row, first_col) = (self.rows.used.start, self.cols.used.start);
         let planes: Vec<&[f32]> = cube.planes().planes().collect();
-        rates.par_chunks_exact_mut((channels * width).max(1)).enumerate().for_each(|(r, out)| {
-            let first = (rows.used.start + r) * cube.cols() + cols.used.start;
-            dispatch(SpectralRow { planes: &planes, weights: &weights, first, width, out });
+        let mut lines: Vec<Vec<&mut [f32]>> = Vec::new();
+        lines.resize_with(self.rows.used.len(), || Vec::with_capacity(weights.len()));
+        for Self { rates, channels, .. } in std::iter::once(self).chain(others.iter_mut().map(|c| &mut **c)) {
+            let rows = rates.chunks_exact_mut((*channels * width).max(1));
+            lines.iter_mut().zip(rows).for_each(|(lines, row)| lines.extend(row.chunks_exact_mut(width.max(1))));
+        }
+        lines.into_par_iter().enumerate().for_each_init(Vec::new, |light, (row, out)| {
+            let first = (first_row + row) * cube.cols() + first_col;
+            dispatch(SpectralRow { planes: &planes, weights: &weights, first, width, light, out });
         });
-        Ok(Self { sensor, rates, channels, width, rows, cols, origin })
+        Ok(())
     }
 }
 
@@ -155,28 +202,49 @@ impl Rates for Collector<'_> {
 /// One row of the image, integrated over wavelength for every channel.
 struct SpectralRow<'a> {
     planes: &'a [&'a [f32]],
+    /// For each channel, the weight of every plane.
     weights: &'a [Vec<f32>],
     first: usize,
     width: usize,
-    out: &'a mut [f32],
+    /// Scratch memory.
+    light: &'a mut Vec<f32>,
+    /// A line for each channel.
+    out: Vec<&'a mut [f32]>,
 }
+
+/// Columns whose light is in the L1 cache while all channels are integrated.
+const TILE: usize = 128;
+/// Columns whose sums are in registers.
+const SUMS: usize = 64;
 
 impl Kernel for SpectralRow<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
-        for (i, plane) in self.planes.iter().enumerate() {
-            let light = &plane[self.first..self.first + self.width];
-            for (line, weights) in self.out.chunks_exact_mut(self.width).zip(self.weights) {
-                let w = weights[i];
-                for (o, l) in line.iter_mut().zip(light) {
-                    *o += w * l;
+        let Self { planes, weights, first, width, light, mut out } = self;
+        // Planes lie a power of two apart, where they would displace each other from the cache.
+        light.resize(planes.len() * TILE, 0.0);
+        for from in (0..width).step_by(TILE) {
+            let count = TILE.min(width - from);
+            for (tile, plane) in light.chunks_exact_mut(TILE).zip(planes) {
+                tile[..count].copy_from_slice(&plane[first + from..][..count]);
+            }
+            for (out, weights) in out.iter_mut().zip(weights) {
+                let blocks = out[from..from + count].chunks_mut(SUMS).zip((0..).step_by(SUMS));
+                for (out, at) in blocks {
+                    let mut sums = [0.0f32; SUMS];
+                    for (tile, weight) in light.chunks_exact(TILE).zip(weights) {
+                        let Some(light) = tile.get(at..).and_then(<[f32]>::first_chunk::<SUMS>) else { return };
+                        for (sum, light) in sums.iter_mut().zip(light) {
+                            *sum += weight * light;
+                        }
+                    }
+                    for (out, sum) in out.iter_mut().zip(sums) {
+                        *out = sum.min(LARGEST_RATE);
+                    }
                 }
             }
-        }
-        for o in self.out.iter_mut() {
-            *o = o.min(LARGEST_RATE);
         }
     }
 }

@@ -1,6 +1,9 @@
 //! Photoelectrons per second of every pixel: light that is integrated over wavelength and photodetectors once, for captures in
 //! several amounts of it.
 
+use std::borrow::Cow;
+
+use super::collect::Collector;
 use super::{Sensor, SensorError};
 use crate::numeric::{Planes, Rect, require};
 use crate::optics::OpticalImage;
@@ -23,6 +26,25 @@ impl ElectronRates {
     pub fn new(sensor: &Sensor, image: &OpticalImage) -> Result<Self, SensorError> {
         sensor.validate()?;
         Ok(Self { window: sensor.unbinned().read_window(), per_s: sensor.electrons(image.into(), 1.0)? })
+    }
+
+    /// The rates of an image on several sensors, in groups of `N`: those of [`ElectronRates::new`], but the image is read once, which
+    /// takes longer than the products.
+    ///
+    /// # Errors
+    /// As [`ElectronRates::new`].
+    pub fn of_all<const N: usize>(
+        sensors: &[[&Sensor; N]],
+        image: &OpticalImage,
+    ) -> Result<Vec<[Self; N]>, SensorError> {
+        sensors.iter().flatten().try_for_each(|sensor| sensor.validate())?;
+        let fine: Vec<[Cow<'_, Sensor>; N]> = sensors.iter().map(|s| s.map(Sensor::unbinned)).collect();
+        let fine: Vec<[&Sensor; N]> = fine.iter().map(|s| s.each_ref().map(|s| &**s)).collect();
+        let rates = |c: &Collector<'_>| Self {
+            window: c.sensor.read_window(),
+            per_s: c.sensor.electrons_from(c, 1.0),
+        };
+        Ok(Collector::of_all(&fine, image)?.iter().map(|c| c.each_ref().map(rates)).collect())
     }
 
     /// An error unless these are rates of the window of a sensor without binning, and the factor is one of light.
