@@ -17,6 +17,8 @@ const VERSION: u32 = 1;
 /// The largest number of samples of all planes.
 const MAX_SAMPLES: usize = 1 << 27;
 const FORMAT: &str = "spectral picture";
+/// Pixels whose sums stay in the L1 cache.
+const TILE: usize = 512;
 
 /// Reads numbers from the beginning of a picture.
 struct Reader<'a> {
@@ -88,20 +90,27 @@ pub(super) fn decode(name: &str, bytes: &[u8]) -> Result<SpectralFile, IoError> 
     let mut cube = Planes::zeros(rows, cols, bands);
     let area = rows * cols;
     let data = cube.data_mut();
-    let (level, coefficients) = planes.split_at(area);
-    let mut shape = vec![0.0; bands];
-    for (pixel, &logarithm) in level.iter().enumerate() {
-        if logarithm == 0 {
-            continue;
+    let (logarithms, coefficients) = planes.split_at(area);
+    let mut tile = [[0.0; TILE]; 2];
+    for first in (0..area).step_by(TILE) {
+        let count = TILE.min(area - first);
+        let [level, shape] = &mut tile;
+        for (level, &logarithm) in level.iter_mut().zip(&logarithms[first..first + count]) {
+            let is_dark = logarithm == 0;
+            *level = if is_dark { 0.0 } else { floor * libm::exp(log_step * f64::from(logarithm)) };
         }
-        let level = floor * libm::exp(log_step * f64::from(logarithm));
-        shape.copy_from_slice(&mean);
-        for (plane, basis) in coefficients.chunks_exact(area).zip(basis.chunks_exact(bands)) {
-            let coefficient = step * f64::from(plane[pixel]);
-            shape.iter_mut().zip(basis).for_each(|(s, b)| *s += coefficient * b);
-        }
-        for (band, shape) in shape.iter().enumerate() {
-            data[band * area + pixel] = (shape.max(0.0) * level) as f32;
+        for band in 0..bands {
+            shape.fill(mean[band]);
+            for (plane, basis) in coefficients.chunks_exact(area).zip(basis.chunks_exact(bands)) {
+                let basis = basis[band];
+                for (shape, &coefficient) in shape.iter_mut().zip(&plane[first..first + count]) {
+                    *shape += step * f64::from(coefficient) * basis;
+                }
+            }
+            let out = &mut data[band * area + first..][..count];
+            for ((out, shape), level) in out.iter_mut().zip(&*shape).zip(&*level) {
+                *out = if *level > 0.0 { (shape.max(0.0) * level) as f32 } else { 0.0 };
+            }
         }
     }
     let light = Spectrum::new(grid, light).and_then(|light| light.map(|nm, v| v * photons_per_joule(nm)));
