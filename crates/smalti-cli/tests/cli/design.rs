@@ -175,6 +175,12 @@ fn wrong_design_files_name_the_key_and_the_line() {
     for (change, with, message) in [
         ("colors = [3]", "colors = []", "`colors`: expected at least one number of filters"),
         ("starts = 2", "starts = 0", "`search.starts`: 0; expected 1 to 100000"),
+        ("steps = 10", "steps = 100001", "`search.steps`: 100001; expected 1 to 100000"),
+        (
+            "[search]",
+            "[annealing]\nmoves = 1000001\n[search]",
+            "`annealing.moves`: 1000001; expected 1 to 1000000",
+        ),
         ("side = 3", "side = 4", "`light.side`: 4; expected 3, 5, 7 or 9 pixels"),
         (
             "luminances_cd_m2 = [10]",

@@ -11,8 +11,8 @@ use super::training_statistics::{WhiteIn, ensure_mosaic, fresh_statistics, secon
 use super::{ExperimentError, Resources};
 use crate::camera::stable_text::stable_text;
 use crate::camera::{
-    Camera, CameraDescription, CameraError, Stand, StoredTrainingScenes, TRAINING_SET_REVISION, TrainingScene,
-    TrainingSettings, training_reflectances, training_scenes,
+    Camera, CameraDescription, CameraError, Stand, StoredTrainingScenes, TRAINING_SET_REVISION,
+    TrainingScene, TrainingSettings, training_reflectances, training_scenes,
 };
 use crate::l3::{self, Learner, Pipeline, Quality, Statistics, Training};
 use crate::scene::Scene;
@@ -223,10 +223,10 @@ fn add_scene<L: Learner>(
     group.iter_mut().for_each(|g| g.learner.weigh(scene.content.times()));
     if settings.has_own_images() {
         return group.par_iter_mut().try_for_each(|g| {
-            let relit = g.of.light_instead_of(&scene.light).map(|light| built.clone().relit(light)).transpose();
+            let relit =
+                g.of.light_instead_of(&scene.light).map(|light| built.clone().relit(light)).transpose();
             let relit = relit.map_err(|e| failed(e.into(), &g.of))?;
-            let added =
-                g.of.camera.train_on(&mut g.learner, relit.as_ref().unwrap_or(built), settings, item);
+            let added = g.of.camera.train_on(&mut g.learner, relit.as_ref().unwrap_or(built), settings, item);
             added.map_err(|e| failed(e, &g.of))
         });
     }

@@ -129,7 +129,10 @@ impl<'a> Collector<'a> {
         lines.resize_with(self.rows.used.len(), || Vec::with_capacity(weights.len()));
         for Self { rates, channels, .. } in std::iter::once(self).chain(others.iter_mut().map(|c| &mut **c)) {
             let rows = rates.chunks_exact_mut((*channels * width).max(1));
-            lines.iter_mut().zip(rows).for_each(|(lines, row)| lines.extend(row.chunks_exact_mut(width.max(1))));
+            lines
+                .iter_mut()
+                .zip(rows)
+                .for_each(|(lines, row)| lines.extend(row.chunks_exact_mut(width.max(1))));
         }
         lines.into_par_iter().enumerate().for_each_init(Vec::new, |light, (row, out)| {
             let first = (first_row + row) * cube.cols() + first_col;
@@ -235,7 +238,9 @@ impl Kernel for SpectralRow<'_> {
                 for (out, at) in blocks {
                     let mut sums = [0.0f32; SUMS];
                     for (tile, weight) in light.chunks_exact(TILE).zip(weights) {
-                        let Some(light) = tile.get(at..).and_then(<[f32]>::first_chunk::<SUMS>) else { return };
+                        let Some(light) = tile.get(at..).and_then(<[f32]>::first_chunk::<SUMS>) else {
+                            return;
+                        };
                         for (sum, light) in sums.iter_mut().zip(light) {
                             *sum += weight * light;
                         }

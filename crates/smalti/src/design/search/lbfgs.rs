@@ -120,4 +120,35 @@ mod tests {
         // A stop keeps the best point so far.
         assert_eq!(minimise(vec![-1.2, 1.0], 200, valley, || true).at, [-1.2, 1.0]);
     }
+
+    /// docs/reliability.md promises it: functions without a minimum, with a false gradient and with NaN end as well.
+    #[test]
+    fn a_start_takes_at_most_its_steps_and_their_halvings() {
+        let functions: [fn(f64) -> [f64; 2]; 5] = [
+            |x| [-x, -1.0],
+            |x| [x.abs(), -x.signum()],
+            |x| [(50.0 * x).sin(), 50.0 * (50.0 * x).cos()],
+            |x| [x.exp(), x.exp()],
+            |x| [if x > 0.5 { f64::NAN } else { -x }, -1.0],
+        ];
+        for (i, function) in functions.into_iter().enumerate() {
+            for steps in [0, 1, 7, 300] {
+                let mut calls = 0;
+                let counted = |x: &[f64]| {
+                    calls += 1;
+                    let [value, slope] = function(x[0]);
+                    (value, vec![slope])
+                };
+                let found = minimise(vec![0.3], steps, counted, || false);
+                assert!(
+                    (1..=1 + steps * MAX_HALVINGS).contains(&calls),
+                    "function {i}, {steps} steps: {calls} calls"
+                );
+                assert!(
+                    found.value.is_finite() && found.value <= function(0.3)[0],
+                    "function {i}: {found:?}"
+                );
+            }
+        }
+    }
 }
