@@ -5,7 +5,7 @@ use crate::sensor_kit;
 
 use proptest::prelude::*;
 use sensor_kit::*;
-use smalti::numeric::Planes;
+use smalti::numeric::{Planes, Rect};
 use smalti::sensor::*;
 use smalti::spectrum::{SpectralCube, Spectrum, SpectrumError, WavelengthGrid};
 
@@ -310,4 +310,36 @@ fn rates_times_a_factor_are_the_image_in_more_light() {
         s.capture((&rates, 1.0), &exposure, NoiseMode::All, 3),
         Err(SensorError::OtherPixels { .. })
     ));
+}
+
+/// Sensors of one image, with unlike mosaics, windows, binning and sizes, have the bits that each has alone, for any number of threads. The width
+/// is no multiple of the columns that are summed at once.
+#[test]
+fn rates_of_many_sensors_are_those_of_each() {
+    let image = speckle(90, 330, 2.1e-6);
+    let mut mono_sensor = sensor(64, 230);
+    mono_sensor.cfa = mono();
+    let mut windowed = sensor(64, 230);
+    windowed.window = Some(Rect { row: 3, col: 7, rows: 40, cols: 101 });
+    let mut binned = sensor(32, 115);
+    binned.pixel.pitch_m *= 2.0;
+    binned.binning = Some(Binning { side: 2, mode: BinningMode::Charge });
+    let mut prism = noisy_sensor(64, 230);
+    prism.architecture = ColorArchitecture::Prism;
+    let all = [[&sensor(64, 230), &mono_sensor], [&windowed, &prism], [&binned, &sensor(20, 30)]];
+    let pool = |n| rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap();
+    for threads in [1, 3] {
+        let together = pool(threads).install(|| ElectronRates::of_all(&all, &image)).unwrap();
+        for (sensors, rates) in all.iter().zip(&together) {
+            for (sensor, rates) in sensors.iter().zip(rates) {
+                assert_eq!(*rates, ElectronRates::new(sensor, &image).unwrap());
+            }
+        }
+    }
+    assert_eq!(ElectronRates::of_all::<2>(&[], &image).unwrap(), Vec::<[ElectronRates; 2]>::new());
+    // The volts of these rates are those of the image.
+    let exposure = Exposure::new(0.01);
+    let [rates, _] = &ElectronRates::of_all(&all, &image).unwrap()[0];
+    let volts = all[0][0].expected_volts((rates, 1.0), &exposure).unwrap();
+    assert_eq!(volts, all[0][0].expected_volts(&image, &exposure).unwrap());
 }
