@@ -91,7 +91,7 @@ impl PipelineTrainer {
         let design = self.data.exposed(cfa)?;
         let pipeline = match &self.from_light {
             Some(trainer) => trainer.pipeline(&self.data, &design)?,
-            None => self.from_patches(&design)?,
+            None => self.patch_pipeline(&design)?,
         };
         let reach = pipeline.reach();
         Ok((pipeline, reach))
@@ -108,11 +108,11 @@ impl PipelineTrainer {
             Some(trainer) if trainer.saturated(&design)?.is_none() => {
                 Ok((trainer.pipeline(&self.data, &design)?, LearningStatistics::Light))
             }
-            _ => Ok((self.from_patches(&design)?, LearningStatistics::Patches)),
+            _ => Ok((self.patch_pipeline(&design)?, LearningStatistics::Patches)),
         }
     }
 
-    fn from_patches(&self, design: &ExposedDesign) -> Result<Pipeline, CameraError> {
+    fn patch_pipeline(&self, design: &ExposedDesign) -> Result<Pipeline, CameraError> {
         let training = Training { solver: self.data.settings.solver, ..Training::default() };
         Ok(training.solve(&self.statistics(design)?, String::new())?)
     }
