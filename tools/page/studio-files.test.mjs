@@ -40,10 +40,23 @@ test("without a server the page saves the table and the raw image of its picture
   await page.getByText("File", { exact: true }).click();
   assert.match(await kept(/learned table/, "own.l3"), /^bayer-10\.l3$/);
   assert.match(await kept(/raw capture/, "own.dng"), /^bayer-.*-10\.dng$/);
-  own.run("render", "own.dng", "--pipeline", "own.l3", "-o", "own.png");
-  const png = await readFile(join(own.dir, "own.png"));
-  const size = [png.readUInt32BE(16), png.readUInt32BE(20)];
+  await kept(/picture as PNG/, "shown.png");
+  const gain = await page.locator("#display-gain").textContent();
+  own.run("render", "own.dng", "--pipeline", "own.l3", "--gain", gain, "-o", "own.png");
+  const [shown, rendered] = await Promise.all(["shown.png", "own.png"].map((file) => readFile(join(own.dir, file), "base64")));
+  const { size, differing } = await page.evaluate(async (files) => {
+    const [a, b] = await Promise.all(files.map(async (file) => {
+      const bitmap = await createImageBitmap(new Blob([Uint8Array.from(atob(file), (c) => c.charCodeAt(0))]), { colorSpaceConversion: "none" });
+      const context = new OffscreenCanvas(bitmap.width, bitmap.height).getContext("2d");
+      context.drawImage(bitmap, 0, 0);
+      return context.getImageData(0, 0, bitmap.width, bitmap.height);
+    }));
+    const differing = a.data.filter((value, i) => value !== b.data[i]).length;
+    return { size: [a.width, a.height, b.width, b.height], differing };
+  }, [shown, rendered]);
+  assert.deepEqual(size.slice(0, 2), size.slice(2));
   assert.ok(size.every((side) => side >= 64 && side <= 1024), String(size));
+  assert.equal(differing, 0, "bytes of the picture that the command renders differ from those of the page");
   assert.deepEqual(faults, []);
   await close();
 });

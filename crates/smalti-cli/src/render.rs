@@ -127,13 +127,16 @@ fn write(
         );
     };
     let picture = Image::new(ColorSpace::Xyz, rendered.planes.clone())?;
-    let gain = args.gain.unwrap_or_else(|| picture.brightness_gain());
     if has_extension(&args.output, &["dng"]) {
         let model = args.pipeline.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let gain = args.gain.unwrap_or_else(|| picture.brightness_gain());
         let stated = DngPicture { white, gain, model, orientation, default_crop };
         return Ok(dng::write_picture(&args.output, &picture, &stated)?);
     }
     let depth = if args.bits == "16" { Depth::Sixteen } else { Depth::Eight };
-    let shown = orientation.apply(picture.shown(Some(white), gain)?);
+    // As `smalti simulate` takes the brightness: from the picture with its white balanced.
+    let balanced = picture.balanced(Some(white))?;
+    let gain = args.gain.unwrap_or_else(|| balanced.brightness_gain());
+    let shown = orientation.apply(balanced.shown(None, gain)?);
     Ok(picture::write(Path::new(&args.output), &shown, depth)?)
 }

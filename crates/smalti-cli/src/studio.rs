@@ -6,11 +6,12 @@ use std::time::Duration;
 use anyhow::{Context, bail};
 use clap::Args;
 use serde::Deserialize;
-use serde_json::json;
+use serde_json::{Value, json};
 use smalti::camera::Camera;
 use smalti::camera::description::{
     CameraDescription, CfaDescription, ExposureDescription, IspDescription, SensorDescription,
 };
+use smalti::design::live::LiveFamily;
 use smalti::experiment::Silent;
 use smalti_io::cache::Cache;
 use smalti_io::cameras::LoadedCamera;
@@ -19,7 +20,7 @@ use smalti_io::studio::{StudioAsset, StudioAssetError};
 use smalti_io::sweeps::{read_results, read_trials};
 use smalti_io::{TomlSource, cameras, designs, studies, text, write};
 use smalti_report::study::{Report, ReportSettings, Results, camera_toml};
-use smalti_serve::studio::Native;
+use smalti_serve::studio::{Native, Opening};
 use smalti_serve::{LocalServer, OpeningFile, studio};
 
 use crate::args::Common;
@@ -34,9 +35,10 @@ const LATER: Duration = Duration::from_secs(15);
 const OPENED: Duration = Duration::from_secs(60);
 /// The camera in the folder of `smalti design`.
 const DESIGNED: &str = "camera.toml";
-/// What marks the folders of `smalti sweep` and of `smalti compare`.
+/// What marks the folder of `smalti sweep`.
 const SWEPT: &str = "manifest.json";
-const COMPARED: &str = "results.json";
+/// The results of `smalti compare` and of `smalti design`.
+const RESULTS: &str = "results.json";
 
 #[derive(Debug, Clone, Args)]
 #[command(after_help = "Examples:\n  \
@@ -71,16 +73,15 @@ pub(crate) struct Studio {
 }
 
 pub(crate) fn run(args: &Studio, common: &Common) -> anyhow::Result<()> {
-    let (camera, pinned) = start(&args.start, common)?;
+    let Start { camera, pinned, family } = start(&args.start, common)?;
     let text = |camera: &Camera| designs::own_camera_toml(camera.description()).map_err(anyhow::Error::from);
-    let (toml, pinned) = (text(&camera)?, pinned.as_ref().map(text).transpose()?);
-    let pinned = pinned.as_deref();
+    let opening = Opening { camera: text(&camera)?, pinned: pinned.as_ref().map(text).transpose()?, family };
     let cache = resolve::cache(args.no_cache)?;
     if let Some(dir) = &args.export {
         write::ensure_is_new(dir)?;
         write::ensure_can_fill(dir)?;
         let light = with_sources(all_light(&bare(&camera)?, &cache, common)?);
-        let files = studio::files(&toml, pinned, light, false);
+        let files = studio::files(&opening, light, false);
         write::folder(dir, files.iter().map(|file| (file.path.as_str(), file.content.as_ref())))?;
         let serve = format!(
             "the page needs a web server, for example `python3 -m http.server --directory {}`; a browser does not run it from a file",
@@ -97,7 +98,7 @@ pub(crate) fn run(args: &Studio, common: &Common) -> anyhow::Result<()> {
         Some(light) => light,
         None => gathered(&bare, smalti_io::studio::first_assets, common)?,
     };
-    let files = studio::files(&toml, pinned, with_sources(light), true);
+    let files = studio::files(&opening, with_sources(light), true);
     let address = server.url();
     if args.json {
         crate::output::print_document(&format!("{}\n", json!({"address": address})))?;
@@ -187,30 +188,37 @@ fn keep_all(bare: &Camera, cache: &Cache) {
     }
 }
 
-/// The camera with which the page opens, and one that it is compared with.
-fn start(name: &str, common: &Common) -> anyhow::Result<(Camera, Option<Camera>)> {
+/// The camera with which the page opens, one that it is compared with, and the family of its filters, if it is known.
+struct Start {
+    camera: Camera,
+    pinned: Option<Camera>,
+    family: Option<LiveFamily>,
+}
+
+fn start(name: &str, common: &Common) -> anyhow::Result<Start> {
     let told = |loaded: LoadedCamera| {
         loaded.notes.iter().for_each(|text| note(text, common));
         loaded.camera
     };
     let camera =
         |name: &str| cameras::load_with_notes(name, &[], None).map(told).map_err(anyhow::Error::from);
-    let alone = |camera: Camera| (camera, None);
+    let alone = |camera: Camera| Start { camera, pinned: None, family: None };
     let folder = Path::new(name);
     if folder.is_dir() {
         let has = |file: &str| folder.join(file).is_file();
         if has(DESIGNED) {
             let path = folder.join(DESIGNED);
-            return camera(path.to_str().context("the path of the folder is not Unicode")?).map(alone);
+            let camera = camera(path.to_str().context("the path of the folder is not Unicode")?)?;
+            return Ok(Start { family: family_of(&folder.join(RESULTS))?, ..alone(camera) });
         }
         if has(SWEPT) {
             return best_of(folder, common).map(alone);
         }
-        if has(COMPARED) {
-            return compared(&folder.join(COMPARED), common);
+        if has(RESULTS) {
+            return compared(&folder.join(RESULTS), common);
         }
         bail!(
-            "{name}: the folder has no {DESIGNED}, {SWEPT} or {COMPARED}; expected one that `smalti design`, `sweep` or `compare` wrote"
+            "{name}: the folder has no {DESIGNED}, {SWEPT} or {RESULTS}; expected one that `smalti design`, `sweep` or `compare` wrote"
         );
     }
     match kind(name, None)?.0 {
@@ -244,8 +252,28 @@ fn best_of(folder: &Path, common: &Common) -> anyhow::Result<Camera> {
     of_text(&about.to_string(), camera_toml(&read_trials(&Dataset::open(folder)?)?, number)?)
 }
 
+/// The family of the filters of a search, as its results state it. `None` without results, as where only the camera file was kept, and for families that the
+/// page does not have.
+fn family_of(path: &Path) -> anyhow::Result<Option<LiveFamily>> {
+    #[derive(Deserialize)]
+    struct Document {
+        #[serde(default)]
+        family: serde_json::Map<String, Value>,
+    }
+    if !path.is_file() {
+        return Ok(None);
+    }
+    let about = path.display();
+    let read: Result<Document, _> = serde_json::from_str(&text::read_to_string(path)?);
+    let document = read.map_err(|error| {
+        anyhow::anyhow!("{about}: no results of a search ({error}); expected those of `smalti design`")
+    })?;
+    let name = document.family.keys().next().cloned();
+    Ok(name.and_then(|name| serde_json::from_value(Value::String(name)).ok()))
+}
+
 /// The cameras of a comparison.
-fn compared(path: &Path, common: &Common) -> anyhow::Result<(Camera, Option<Camera>)> {
+fn compared(path: &Path, common: &Common) -> anyhow::Result<Start> {
     #[derive(Deserialize)]
     struct Document {
         cameras: Vec<CameraDescription>,
@@ -266,5 +294,6 @@ fn compared(path: &Path, common: &Common) -> anyhow::Result<(Camera, Option<Came
         );
     }
     let first = document.cameras.first().with_context(|| format!("{about}: it has no camera"))?;
-    Ok((camera(first)?, document.cameras.get(1).map(camera).transpose()?))
+    let pinned = document.cameras.get(1).map(camera).transpose()?;
+    Ok(Start { camera: camera(first)?, pinned, family: None })
 }

@@ -37,6 +37,30 @@ pub(crate) fn quoted(word: &str) -> String {
     format!("'{}'", dashed.replace('\'', "'\\''"))
 }
 
+/// The words of a command of `smalti` for a POSIX shell.
+pub(crate) fn command(words: &[String]) -> String {
+    words.iter().fold("smalti".to_owned(), |line, word| format!("{line} {}", typed(word)))
+}
+
+/// A word for a POSIX shell; options stay options.
+fn typed(word: &str) -> String {
+    let name = word.trim_start_matches('-');
+    let dashes = &word[..word.len() - name.len()];
+    match (dashes, name.split_once('=')) {
+        ("", _) => quoted(word),
+        (_, Some((option, value))) if !value.is_empty() => {
+            format!("{dashes}{}={}", quoted(option), quoted_value(value))
+        }
+        (_, _) if name.is_empty() => word.to_owned(),
+        _ => format!("{dashes}{}", quoted(name)),
+    }
+}
+
+/// The value of `--key=value`. One that begins with a hyphen does not name a file.
+fn quoted_value(value: &str) -> String {
+    if value.starts_with('-') { format!("'{}'", value.replace('\'', "'\\''")) } else { quoted(value) }
+}
+
 /// An exposure time, ms, with at least three significant digits.
 pub(crate) fn time_ms(ms: f64) -> String {
     let digits = match ms {
@@ -70,6 +94,29 @@ mod tests {
         assert_eq!(quoted("out/a-1"), "out/a-1");
         assert_eq!(quoted("a b; rm -r '*'"), "'a b; rm -r '\\''*'\\'''");
         assert_eq!(quoted("-o"), "'./-o'");
+    }
+
+    #[test]
+    fn the_command_is_what_was_typed() {
+        let words = [
+            "compare",
+            "bayer",
+            "a b.toml",
+            "--luminance",
+            "1,80",
+            "--set",
+            "x=[1,2]",
+            "--output=it's",
+            "-o",
+            "$(rm)",
+            "--gain=-1",
+            "-",
+            "./-o",
+        ];
+        assert_eq!(
+            command(&words.map(str::to_owned)),
+            "smalti compare bayer 'a b.toml' --luminance 1,80 --set 'x=[1,2]' --output='it'\\''s' -o '$(rm)' --gain='-1' - ./-o"
+        );
     }
 
     #[test]

@@ -11,7 +11,7 @@ use smalti_io::cache::Cache;
 use smalti_io::dng;
 use smalti_serve::LocalServer;
 use smalti_serve::studio::native::MOST_MESSAGE_BYTES;
-use smalti_serve::studio::{Native, files, routes};
+use smalti_serve::studio::{Native, Opening, files, routes};
 use tungstenite::client::IntoClientRequest;
 use tungstenite::protocol::frame::coding::CloseCode;
 use tungstenite::{Message, WebSocket, client};
@@ -42,7 +42,8 @@ fn server() -> &'static str {
     ADDRESS.get_or_init(|| {
         let server = LocalServer::bind(None, None).unwrap();
         let address = server.url();
-        let pages = routes(files("name = \"x\"", None, Vec::new(), true), Native::new(Cache::disabled()));
+        let opening = Opening { camera: "name = \"x\"".into(), ..Opening::default() };
+        let pages = routes(files(&opening, Vec::new(), true), Native::new(Cache::disabled()));
         std::thread::spawn(move || server.run(pages).unwrap());
         address
     })

@@ -11,9 +11,10 @@ use smalti::design::LearningSettings;
 use smalti::design::light::LightStatistics;
 use smalti::design::live::{LiveLearner, LivePicture, LivePictures, LiveScene, LiveSetup, LiveTraining};
 use smalti::design::screen::ScreenCondition;
+use smalti::design::search::{FilterSpace, FreeCurves};
 use smalti::experiment::{Resources, analyse_design, light_statistics};
 use smalti::isp::Isp as _;
-use smalti::sensor::NoiseMode;
+use smalti::sensor::{Filter, NoiseMode};
 use smalti::spectrum::{Illuminant, Observer, WavelengthGrid};
 use smalti_io::{cameras, dng, l3, light, studio};
 use smalti_wasm::{Answer, Engine, StudioFile};
@@ -174,6 +175,114 @@ fn filters_that_the_family_does_not_have_are_named() {
     assert_eq!(warnings(json!("pigments")), warnings(json!("pigments")));
 }
 
+/// What the page found in a family is of the family, also where its curves are steep; a higher peak is told as such.
+#[test]
+fn filters_that_the_page_found_can_be_made() {
+    let mut engine = engine();
+    let warned = |engine: &mut Engine, design: &Value, family: &str| -> Vec<String> {
+        let request = json!({"scores": {"design": design, "luminances_cd_m2": [], "family": family}});
+        let said = ask(engine, &request).said;
+        let all =
+            said["warnings"].as_array().unwrap().iter().map(|w| w["message"].as_str().unwrap().to_owned());
+        all.filter(|m| m.contains("cannot be made") || m.starts_with("the peak of")).collect()
+    };
+    for family in ["free", "pigments", "dichroic"] {
+        let begin = json!({"improve": {"design": files().camera, "locks": {"mosaic": true}, "luminances_cd_m2": [2.0], "family": family}});
+        let mut step = ask(&mut engine, &begin).said;
+        for _ in 0..60 {
+            step = ask(&mut engine, &json!({"step": {}})).said;
+        }
+        assert_eq!(warned(&mut engine, &step["design"], family), [""; 0], "{family}");
+    }
+    let mut design = json!(files().camera);
+    // Searches beside the page have fewer knots.
+    let coarse = FilterSpace::Free(FreeCurves::default()).sampled(WavelengthGrid::VISIBLE).unwrap();
+    let steep = |sign: f64| {
+        let parameters: Vec<f64> =
+            (0..coarse.parameters()).map(|i| sign * if i % 3 == 0 { 9.0 } else { -7.0 }).collect();
+        json!(Filter::sampled(&coarse.spectrum(&parameters).unwrap()))
+    };
+    design["sensor"]["cfa"] =
+        json!({"pattern": ["RG", "GR"], "filters": {"R": steep(1.0), "G": steep(-1.0)}});
+    assert_eq!(warned(&mut engine, &design, "free"), [""; 0]);
+    let gaussian = |center_nm: f64, peak: f64| json!({"gaussian": {"center_nm": center_nm, "sigma_nm": 40.0, "peak": peak}});
+    design["sensor"]["cfa"] = json!({
+        "pattern": ["RG", "GB"],
+        "filters": {"R": gaussian(610.0, 0.9), "G": gaussian(540.0, 1.0), "B": gaussian(460.0, 0.95)},
+    });
+    assert_eq!(
+        warned(&mut engine, &design, "free"),
+        ["the peak of the filter G is 100 % transmittance; smooth curves reach 95 %"]
+    );
+}
+
+/// Arrays that cannot tell all colours apart, whatever the noise of their colour matrix.
+#[test]
+fn arrays_that_confuse_colours_are_named() {
+    let mut engine = engine();
+    let mut warned = |pattern: Value, blue: Value| -> Vec<String> {
+        let mut design = json!(files().camera);
+        let pigment = |letter: &str| json!({"builtin": format!("pigment/{letter}")});
+        let filters = json!({"R": pigment("R"), "G": pigment("G"), "B": blue, "W": {"flat": 0.95}});
+        design["sensor"]["cfa"] = json!({"pattern": pattern, "filters": filters});
+        let said = ask(&mut engine, &json!({"scores": {"design": design, "luminances_cd_m2": []}})).said;
+        let all =
+            said["warnings"].as_array().unwrap().iter().map(|w| w["message"].as_str().unwrap().to_owned());
+        all.filter(|m| m.starts_with("the array")).collect()
+    };
+    let [green, blue] = ["G", "B"].map(|letter| json!({"builtin": format!("pigment/{letter}")}));
+    assert_eq!(warned(json!(["RG", "GB"]), blue.clone()), [""; 0]);
+    assert_eq!(warned(json!(["RW", "WB"]), blue.clone()), [""; 0]);
+    for (pattern, blue, word) in [
+        (json!(["RG", "GB"]), green, "only two of its channels"),
+        (json!(["RG", "GR"]), blue.clone(), "only two of its channels"),
+        (json!(["WW", "WW"]), blue, "sees no colour"),
+    ] {
+        let found = warned(pattern, blue);
+        assert!(
+            found.len() == 1 && found[0].contains(word) && found[0].contains("colour needs three"),
+            "{found:?}"
+        );
+    }
+}
+
+/// In light that saturates a design, the page goes on: the picture is the clipped capture, and a warning states the share of its samples that saturate.
+#[test]
+fn pictures_and_scores_go_on_where_the_light_saturates() {
+    let mut engine = engine();
+    let Files { camera, scene, .. } = files();
+    let design = json!(camera);
+    let mut shares = Vec::new();
+    for luminance in [5.0, 3000.0, 10_000.0, 1e6] {
+        let request = json!({"design": design, "scene": scene.name, "luminance_cd_m2": luminance, "seed": 3});
+        let Answer { said, bytes } = ask(&mut engine, &json!({"draw": request}));
+        assert_eq!(bytes.len(), 4 * 32 * 48);
+        let measured = ask(&mut engine, &json!({"measure": request})).said;
+        assert!(measured["cpsnr_db"].as_f64().unwrap().is_finite(), "{measured}");
+        let share = said["saturated_percent"].as_f64().unwrap();
+        let stated = format!(
+            "{share:.1} % of the samples saturate: the picture and its scores show clipped highlights"
+        );
+        let is_stated = said["warnings"].as_array().unwrap().iter().any(|w| w["message"] == stated.as_str());
+        assert_eq!(is_stated, share > 1.0, "{said}");
+        let table =
+            ask(&mut engine, &json!({"table": {"design": design, "luminance_cd_m2": luminance, "seed": 3}}));
+        let pipeline = l3::table_from_bytes(&table.bytes, Path::new("test")).unwrap();
+        let provenance: Value = serde_json::from_str(pipeline.provenance()).unwrap();
+        shares.push((share, provenance["learning"].get("statistics").is_some()));
+    }
+    let [(none, by_light), .., (most, by_patches)] = shares[..] else { panic!("{shares:?}") };
+    assert!(none < 1.0 && by_light && most > 99.0 && !by_patches, "{shares:?}");
+    assert!(shares.is_sorted_by(|a, b| a.0 <= b.0) && shares[2].0 > 30.0, "{shares:?}");
+    // The figures over luminance reach the end of its range.
+    let request = json!({"scores": {"design": design, "luminances_cd_m2": [0.1, 10.0, 1000.0]}});
+    let expected = ask(&mut engine, &request).said["expected"].clone();
+    assert!(
+        expected.as_array().unwrap().iter().all(|e| e["cpsnr_db"].as_f64().unwrap().is_finite()),
+        "{expected}"
+    );
+}
+
 #[test]
 fn camera_files_read_back() {
     let mut engine = engine();
@@ -265,7 +374,7 @@ fn the_table_and_the_raw_image_make_the_picture() {
     assert_eq!(pipeline.white(), Some(Observer::Cie1931.white(&white).unwrap()));
     for scene in [scene.clone(), studio::scene_from_bytes(&light, path).unwrap()] {
         let request = json!({"design": camera, "scene": scene.name, "luminance_cd_m2": 5.0, "seed": 3});
-        let shown = ask(&mut engine, &json!({"draw": request})).bytes;
+        let Answer { said, bytes: shown } = ask(&mut engine, &json!({"draw": request}));
         let raw = ask(&mut engine, &json!({"raw": request})).bytes;
         let read = dng::from_bytes(&raw, path).unwrap();
         let mut pictures = LivePictures::new(scene, &Illuminant::D65, &bare).unwrap();
@@ -275,6 +384,9 @@ fn the_table_and_the_raw_image_make_the_picture() {
         let rendered = pipeline.render(&read.raw).unwrap();
         let bits = |image: &Image| image.planes().data().iter().map(|v| v.to_bits()).collect::<Vec<_>>();
         assert!(bits(&rendered) == bits(&expected.picture));
+        // `smalti render` with the gain that the page states.
+        let balanced = rendered.balanced(pipeline.white()).unwrap();
+        assert!(balanced.shown(None, said["gain"].as_f64().unwrap()).unwrap().rgba8() == shown);
         assert!(pictures.rgba8(&LivePicture { picture: rendered, ..expected }).unwrap() == shown);
         // Without noise it is another capture.
         let mut ideal = request.clone();

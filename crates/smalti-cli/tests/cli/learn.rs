@@ -78,6 +78,10 @@ fn what_is_trained_renders_what_is_simulated() {
     };
     assert!(far(&eight, &sixteen) < 0.5 / 255.0);
     assert!(far(&eight, &classic) < 0.1, "{} from the classic picture", far(&eight, &classic));
+    // The command that captures makes the same picture of it.
+    place.ok(&format!("simulate bayer {OTHER} {SMALL} --pipeline a.l3 -o learned"));
+    assert!(place.read("learned/raw.dng") == place.read("s/raw.dng"));
+    assert!(read("learned/rendered.png").image == eight.image);
     // Half the brightness in linear light.
     place.ok("render s/raw.dng --pipeline a.l3 -o bright.png --gain 1 -q");
     place.ok("render s/raw.dng --pipeline a.l3 -o dim.png --gain 0.5 -q");

@@ -177,9 +177,10 @@ fn the_light_of_equal_appearance_is_recovered() {
     assert!(!place.names("light/analysis").iter().any(|name| name == "scale.csv"));
     let text = place.ok("rate analyse light --keep-all");
     assert!(text.contains("bayer bilinear needs 0.") && text.contains("stops more light ["), "{text}");
-    assert!(
-        String::from_utf8(place.read("light/analysis/report.html")).unwrap().contains("point of equality")
-    );
+    let page = String::from_utf8(place.read("light/analysis/report.html")).unwrap();
+    assert!(page.contains("point of equality"));
+    let again = "smalti rate init --experiment light.toml --processing bilinear --side 96 -o light -q\nsmalti rate analyse light";
+    assert!(page.contains(again), "{}", page.split("rate init").nth(1).unwrap_or("no command"));
 }
 
 #[test]

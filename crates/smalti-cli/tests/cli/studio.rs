@@ -1,5 +1,7 @@
 //! The studio as a folder, and with which design it opens. The page itself is tested in `tools/page/studio.test.mjs`.
 
+use serde_json::Value;
+
 use crate::Place;
 
 /// The most bytes of an exported page.
@@ -109,8 +111,15 @@ fn it_opens_with_a_camera_a_study_or_what_was_designed() {
     std::fs::create_dir(place.path("best")).unwrap();
     let own = place.ok("show bayer@quad-bayer --toml");
     place.write("best/camera.toml", own.replace("name = \"bayer@quad-bayer\"", "name = \"found\""));
-    for (start, name) in [("best", "found"), ("theory", "theory-0"), ("bayer@xtrans", "bayer@xtrans")] {
+    // The family of the search comes with its design.
+    place.write("best/results.json", r#"{"name": "found", "family": {"pigments": {"max_pigments": 2}}}"#);
+    for (start, name, family) in [
+        ("best", "found", serde_json::json!("pigments")),
+        ("theory", "theory-0", Value::Null),
+        ("bayer@xtrans", "bayer@xtrans", Value::Null),
+    ] {
         place.ok(&format!("studio {start} --export of-{name} -q"));
+        assert_eq!(place.json(&format!("of-{name}/server.json"))["family"], family);
         let text = String::from_utf8(place.read(&format!("of-{name}/start.toml"))).unwrap();
         assert!(text.lines().any(|line| line == format!("name = \"{name}\"")), "{start}: {text}");
     }

@@ -5,7 +5,7 @@ use smalti::camera::Camera;
 use super::results::CommandLine;
 use crate::ReportError;
 use crate::page::{Markup, copyable, el};
-use crate::words::quoted;
+use crate::words::command;
 
 /// The facts, one command that computes the results again, and the description of every camera.
 pub(super) fn section(
@@ -46,55 +46,4 @@ fn with_files(line: &CommandLine, cameras: &[Camera]) -> Result<String, ReportEr
         words.iter_mut().filter(|word| **word == argument.word).for_each(|word| word.clone_from(&file));
     }
     Ok(files + &command(&words))
-}
-
-/// The words of a command for a shell.
-fn command(words: &[String]) -> String {
-    words.iter().fold("smalti".to_owned(), |line, word| format!("{line} {}", typed(word)))
-}
-
-/// A word for a POSIX shell; options stay options.
-fn typed(word: &str) -> String {
-    let name = word.trim_start_matches('-');
-    let dashes = &word[..word.len() - name.len()];
-    match (dashes, name.split_once('=')) {
-        ("", _) => quoted(word),
-        (_, Some((option, value))) if !value.is_empty() => {
-            format!("{dashes}{}={}", quoted(option), quoted_value(value))
-        }
-        (_, _) if name.is_empty() => word.to_owned(),
-        _ => format!("{dashes}{}", quoted(name)),
-    }
-}
-
-/// The value of `--key=value`. One that begins with a hyphen does not name a file.
-fn quoted_value(value: &str) -> String {
-    if value.starts_with('-') { format!("'{}'", value.replace('\'', "'\\''")) } else { quoted(value) }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_command_is_what_was_typed() {
-        let words = [
-            "compare",
-            "bayer",
-            "a b.toml",
-            "--luminance",
-            "1,80",
-            "--set",
-            "x=[1,2]",
-            "--output=it's",
-            "-o",
-            "$(rm)",
-            "--gain=-1",
-            "-",
-        ];
-        assert_eq!(
-            command(&words.map(str::to_owned)),
-            "smalti compare bayer 'a b.toml' --luminance 1,80 --set 'x=[1,2]' --output='it'\\''s' -o '$(rm)' --gain='-1' -"
-        );
-    }
 }

@@ -7,6 +7,10 @@ use crate::comparison::figures::{drawn, look};
 use crate::page::Markup;
 use crate::{Line, Plot, Points};
 
+/// Width and least height of figures, which phones shall show legibly.
+const SIZE: (f64, f64) = (460.0, 400.0);
+/// Height of a name in a legend.
+const NAME: f64 = 26.0;
 /// Points of a curve.
 const CURVE: usize = 121;
 /// The 0.975 quantile of the normal distribution.
@@ -18,10 +22,9 @@ pub(super) fn scale(conditions: &[String], scale: &ScaledConditions, order: &[us
     let ranks: Vec<f64> = (1..=conditions.len()).map(|rank| rank as f64).collect();
     let mut plot = Plot::new("Rank", "Score (JOD)")
         .title("Scale of the choices")
-        .note("Of two conditions that differ by 1 JOD, 75 % of the choices prefer the better one. Bars are intervals of 95 %.")
         .x_range(0.5, conditions.len() as f64 + 0.5)
         .x_ticks(&ranks)
-        .size(640.0, 440.0);
+        .size(SIZE.0, SIZE.1 + NAME * conditions.len() as f64);
     for (&rank, &i) in ranks.iter().zip(order) {
         let (color, symbol) = look(i);
         let points = Points::new(&conditions[i], &[rank], &[scale.jod[i].value]);
@@ -48,9 +51,8 @@ pub(super) fn light(levels: &[Level], fit: Option<&PsychometricFit>) -> Markup {
     let (color, symbol) = look(0);
     let mut plot = Plot::new("Light (stops)", "Preferred (%)")
         .title("Choices against light")
-        .note("Bars are intervals of 95 % of each share. The curve is the psychometric function, and the dashed line its point of equality.")
         .y_range(0.0, 100.0)
-        .size(640.0, 440.0);
+        .size(SIZE.0, SIZE.1);
     if let (Some(fit), Some(low), Some(high)) = (fit, x.first(), x.last()) {
         let at = |i: usize| low + (high - low) * i as f64 / (CURVE - 1) as f64;
         let curve: Vec<f64> = (0..CURVE).map(at).collect();

@@ -2,14 +2,14 @@
 
 use smalti::experiment::RatingResult;
 use smalti::numeric::bootstrap::Estimate;
-use smalti::rating::{Agreement, OUTLIER_DISTANCE, Scales};
+use smalti::rating::{Agreement, MAX_LAPSE, OUTLIER_DISTANCE, Scales};
 
 use super::RatingReport;
 use super::figures;
-use super::text::{basis, estimated, interval, light_words, number, reasons};
+use super::text::{agreement_words, basis, estimated, interval, light_words, number, reasons, shown_best};
 use crate::comparison::columns::heading_of;
 use crate::page::{DESIGN, Markup, Page, Table, copyable, el, foot, paragraph};
-use crate::words::quoted;
+use crate::words::{command, quoted};
 
 /// The page as HTML.
 #[must_use]
@@ -120,17 +120,14 @@ fn scenes(report: &RatingReport<'_>, scales: &Scales) -> Markup {
 }
 
 fn agreements(agreement: &[(String, Option<Agreement>)]) -> Markup {
-    let best = agreement
-        .iter()
-        .filter_map(|(name, a)| Some((name, a.as_ref()?)))
-        .max_by(|a, b| a.1.spearman.value.total_cmp(&b.1.spearman.value));
+    let best = shown_best(agreement);
     let mut table = Table::new("Rank correlation of each metric with the scores")
         .text("metric")
         .number("Spearman")
         .number("Kendall")
         .number("scenes");
     for (name, agreement) in agreement {
-        let is_best = best.is_some_and(|(of, _)| of == name);
+        let is_best = best == Some(name);
         let heading = Markup::from(heading_of(name));
         let cells = match agreement {
             Some(a) => [heading, cell(&a.spearman), cell(&a.kendall), Markup::from(a.scenes.to_string())],
@@ -138,15 +135,7 @@ fn agreements(agreement: &[(String, Option<Agreement>)]) -> Markup {
         };
         table = table.row(cells, is_best);
     }
-    let headline = match best.filter(|(_, a)| a.spearman.value > 0.0) {
-        Some((name, agreement)) => format!(
-            "{} agrees best with the observers: Spearman’s rank correlation is {}.",
-            heading_of(name),
-            estimated(&agreement.spearman, 2)
-        ),
-        None => "No metric orders the conditions as the observers do.".into(),
-    };
-    paragraph("headline", headline).and(table).and(paragraph(
+    paragraph("headline", agreement_words(agreement)).and(table).and(paragraph(
         "help",
         "Each correlation is computed within a scene and averaged over the scenes; 1 means the same order, −1 the reverse. The sign of a metric of which smaller values are better is reversed. \
          The first three metrics are those of the pictures that were shown, the others those of the test targets (smalti list metrics). Intervals of 95 % resample the observers and, with five \
@@ -163,7 +152,10 @@ fn facts(fit: &smalti::rating::PsychometricFit) -> Markup {
     Markup::from(el("dl").class("facts").child(list)).and(paragraph(
         "help",
         format!(
-            "The function λ + (1 − 2 λ) Φ((x − e) / s) is fitted by maximum likelihood: e is the point of subjective equality, s the spread and λ the lapse rate, at most 5 %. {}",
+            "Bars are intervals of 95 % of each share. The curve is the psychometric function λ + (1 − 2 λ) Φ((x − e) / s), fitted by maximum likelihood: e is the point of subjective equality, which the dashed \
+             line shows, s the spread and λ the lapse rate. The lapse rate is the share of answers given without regard to the pictures, such as slips of the hand, that prefer either side. It is limited to \
+             {} %, since a larger one cannot be told from a flat curve; a fit at this limit may have more lapses. {}",
+            number(100.0 * MAX_LAPSE, 0),
             basis(fit.basis)
         ),
     ))
@@ -215,20 +207,26 @@ fn observers(report: &RatingReport<'_>) -> Markup {
             false,
         );
     }
-    Markup::from(table).and(paragraph(
-        "help",
-        format!(
-            "An observer is excluded who answered fewer than two thirds of the traps correctly, who chose differently in more than half of at least four hidden repeats, or whose choices are \
-             improbable under the scale of all others: with five observers or more, the mean log-likelihood lies more than {OUTLIER_DISTANCE} interquartile ranges below the first quartile. \
-             With --keep-all, only observers without ratings are excluded."
-        ),
-    ))
+    let excluded = format!(
+        "An observer is excluded who answered fewer than two thirds of the traps correctly, who chose differently in more than half of at least four hidden repeats, or whose choices are \
+         improbable under the scale of all others: with five observers or more, their distance is more than {OUTLIER_DISTANCE}. Observers without ratings have answered no pair that \
+         counts: they opened the page alone, or did its training alone. With "
+    );
+    let excluded = el("p")
+        .class("help")
+        .child(excluded)
+        .child(el("code").class("option").child("--keep-all"))
+        .child(", only these are excluded.");
+    Markup::from(table)
+        .and(paragraph(
+            "help",
+            "The log₁₀ likelihood is the mean decimal logarithm of the probability that the scale of all other observers gives to the choices: the nearer to 0, the more the observer chose as the others. The \
+             distance is the number of interquartile ranges by which it lies below the first quartile of all observers, and 0 above this quartile.",
+        ))
+        .and(excluded)
 }
 
 fn again(report: &RatingReport<'_>) -> Markup {
-    // An option is no file that needs to be told from one.
-    let word = |w: &String| if w.starts_with("--") && !w.contains(' ') { w.clone() } else { quoted(w) };
-    let words: Vec<String> = report.command.iter().map(word).collect();
-    let commands = format!("smalti {}\nsmalti rate analyse {}", words.join(" "), quoted(report.folder));
+    let commands = format!("{}\nsmalti rate analyse {}", command(report.command), quoted(report.folder));
     copyable(&commands, "commands")
 }

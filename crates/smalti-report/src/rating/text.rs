@@ -1,10 +1,11 @@
 //! The results of an experiment in words and as tables of text.
 
-use smalti::experiment::{JudgedObserver, RatingResult};
+use smalti::experiment::{AnsweredObserver, JudgedObserver, RatingResult};
 use smalti::numeric::bootstrap::Estimate;
-use smalti::rating::{IntervalBasis, PsychometricFit, Reason};
+use smalti::rating::{Agreement, IntervalBasis, PsychometricFit, Reason};
 
 use super::RatingReport;
+use crate::comparison::columns::heading_of;
 use crate::words::TextTable;
 
 /// A number with a minus sign.
@@ -66,20 +67,83 @@ pub(super) fn light_words(varied: &str, standard: &str, fit: Option<&Psychometri
         );
     };
     let value = &fit.equality;
-    let amount = |v: f64| {
-        let more = if v < 0.0 { "less" } else { "more" };
-        format!("{} stops {more} light", number(v.abs(), 2))
-    };
-    let within = match interval(value, 2) {
-        Some(interval) => format!(" {interval}"),
-        None => " (interval not known)".into(),
-    };
+    let word = |v: f64| if v < 0.0 { "less" } else { "more" };
+    let amount = |v: f64| format!("{} stops {}", number(v.abs(), 2), word(v));
     let range = if fit.is_within {
         ""
     } else {
         " This lies beyond the amounts of light that were shown; an experiment with other --stops is needed."
     };
-    format!("{varied} needs {}{within} to look like {standard}.{range}", amount(value.value))
+    match value.interval {
+        None => {
+            format!(
+                "{varied} needs {} light (interval not known) to look like {standard}.{range}",
+                amount(value.value)
+            )
+        }
+        Some(i) if i.low <= 0.0 && i.high >= 0.0 => format!(
+            "These choices do not show that {varied} needs more or less light to look like {standard}: the estimate is {}, and its interval of 95 % reaches from {} to {}.{range}",
+            amount(value.value),
+            amount(i.low),
+            amount(i.high)
+        ),
+        Some(i) => {
+            // Both ends are on the side of the estimate.
+            let [near, far] = [i.low.abs().min(i.high.abs()), i.low.abs().max(i.high.abs())];
+            let of = |v: f64| number(v, 2);
+            format!(
+                "{varied} needs {} light [{}, {}] to look like {standard}.{range}",
+                amount(value.value),
+                of(near),
+                of(far)
+            )
+        }
+    }
+}
+
+/// The metric whose rank correlation is the highest, if the intervals show that it is.
+pub(super) fn shown_best(agreement: &[(String, Option<Agreement>)]) -> Option<&String> {
+    let (name, best) = highest(agreement)?;
+    let low = best.interval?.low;
+    let is_below = |e: &Estimate| e.interval.is_some_and(|i| i.high < low);
+    let others = agreement.iter().filter(|(other, _)| other != name);
+    others.filter_map(|(_, a)| a.as_ref()).all(|a| is_below(&a.spearman)).then_some(name)
+}
+
+/// The metric with the highest rank correlation, above 0.
+fn highest(agreement: &[(String, Option<Agreement>)]) -> Option<(&String, &Estimate)> {
+    let known = agreement.iter().filter_map(|(name, a)| Some((name, &a.as_ref()?.spearman)));
+    known.max_by(|a, b| a.1.value.total_cmp(&b.1.value)).filter(|(_, best)| best.value > 0.0)
+}
+
+/// The statement about metrics.
+pub(super) fn agreement_words(agreement: &[(String, Option<Agreement>)]) -> String {
+    let Some((name, best)) = highest(agreement) else {
+        return "No metric orders the conditions as the observers do.".into();
+    };
+    let (name, value) = (heading_of(name), estimated(best, 2));
+    match shown_best(agreement) {
+        Some(_) => format!("{name} agrees best with the observers: Spearman’s rank correlation is {value}."),
+        None => format!(
+            "These answers cannot rank the metrics: the intervals of their rank correlations overlap. The highest of Spearman’s, {value}, is that of {name}."
+        ),
+    }
+}
+
+/// The numbers of observers who are kept, who have rated, and who opened the page, and that of the answers that count.
+fn words_of_observers([kept, rated, all]: [usize; 3], answers: f64) -> String {
+    let one = if rated == 1 { "observer" } else { "observers" };
+    let excluded = match rated - kept {
+        0 => String::new(),
+        1 => ", of whom 1 is excluded".into(),
+        excluded => format!(", of whom {excluded} are excluded"),
+    };
+    let visitors = match all - rated {
+        0 => String::new(),
+        1 => "; 1 more opened the page without rating a pair".into(),
+        visitors => format!("; {visitors} more opened the page without rating a pair"),
+    };
+    format!("{rated} {one}{excluded}; {answers} answers{visitors}")
 }
 
 impl RatingReport<'_> {
@@ -88,16 +152,12 @@ impl RatingReport<'_> {
         self.kept().flat_map(|o| &o.choices.scenes).map(smalti::rating::Counts::total).sum()
     }
 
-    /// Who took part, in words.
+    /// Who took part, in words. Who has rated nothing is no observer.
     pub(super) fn observers_words(&self) -> String {
-        let (kept, all) = (self.kept().count(), self.answers.observers.len());
-        let one = if all == 1 { "observer" } else { "observers" };
-        let left_out = match all - kept {
-            0 => String::new(),
-            1 => ", of whom 1 is excluded".into(),
-            excluded => format!(", of whom {excluded} are excluded"),
-        };
-        format!("{all} {one}{left_out}; {} answers", self.counted())
+        let has_rated = |o: &&AnsweredObserver| o.choices.scenes.iter().any(|s| s.total() > 0.0);
+        let all = self.answers.observers.len();
+        let rated = self.answers.observers.iter().filter(has_rated).count();
+        words_of_observers([self.kept().count(), rated, all], self.counted())
     }
 
     /// The results as text: the statement, the scale, the agreement.
@@ -157,6 +217,78 @@ impl RatingReport<'_> {
 mod tests {
     use super::*;
     use smalti::numeric::bootstrap::Interval;
+    use smalti::rating::Psychometric;
+
+    fn estimate(value: f64, low: f64, high: f64) -> Estimate {
+        Estimate { value, interval: Some(Interval { low, high }) }
+    }
+
+    /// A difference that the interval does not show is not claimed, and amounts of less light have no sign beside the word.
+    #[test]
+    fn light_is_claimed_as_far_as_it_is_shown() {
+        let words = |equality: Estimate| {
+            let function = Psychometric { equality: equality.value, spread: 1.0, lapse: 0.0 };
+            let fit = PsychometricFit {
+                function,
+                equality,
+                spread: estimate(1.0, 0.5, 2.0),
+                deviance: 1.0,
+                is_within: true,
+                basis: IntervalBasis::Observers,
+                resolved: 1.0,
+            };
+            light_words("A", "B", Some(&fit))
+        };
+        assert_eq!(
+            words(estimate(-0.6, -0.9, -0.2)),
+            "A needs 0.60 stops less light [0.20, 0.90] to look like B."
+        );
+        assert_eq!(
+            words(estimate(0.6, 0.2, 0.9)),
+            "A needs 0.60 stops more light [0.20, 0.90] to look like B."
+        );
+        assert_eq!(
+            words(estimate(-0.16, -0.53, 0.14)),
+            "These choices do not show that A needs more or less light to look like B: the estimate is 0.16 stops less, and its interval of 95 % reaches from 0.53 stops less to 0.14 stops more."
+        );
+        let unknown = Estimate { value: 0.2, interval: None };
+        assert_eq!(words(unknown), "A needs 0.20 stops more light (interval not known) to look like B.");
+    }
+
+    #[test]
+    fn metrics_are_ranked_as_far_as_their_intervals_are_apart() {
+        let of = |name: &str, spearman: Estimate| {
+            (name.to_owned(), Some(Agreement { spearman, kendall: spearman, scenes: 2 }))
+        };
+        let apart = [of("scielab_mean", estimate(0.9, 0.8, 1.0)), of("visual_snr", estimate(0.3, 0.1, 0.7))];
+        assert_eq!(shown_best(&apart).unwrap(), "scielab_mean");
+        assert_eq!(
+            agreement_words(&apart),
+            "S-CIELAB agrees best with the observers: Spearman’s rank correlation is 0.90 [0.80, 1.00]."
+        );
+        let alike =
+            [of("scielab_mean", estimate(0.57, -0.5, 1.0)), apart[1].clone(), ("cpsnr_db".into(), None)];
+        assert_eq!(shown_best(&alike), None);
+        assert_eq!(
+            agreement_words(&alike),
+            "These answers cannot rank the metrics: the intervals of their rank correlations overlap. The highest of Spearman’s, 0.57 [−0.50, 1.00], is that of S-CIELAB."
+        );
+        let against = [of("scielab_mean", estimate(-0.2, -0.5, 0.1))];
+        assert!(agreement_words(&against).starts_with("No metric"));
+    }
+
+    #[test]
+    fn who_rated_nothing_is_counted_apart() {
+        assert_eq!(
+            words_of_observers([3, 3, 11], 240.0),
+            "3 observers; 240 answers; 8 more opened the page without rating a pair"
+        );
+        assert_eq!(
+            words_of_observers([4, 6, 7], 99.0),
+            "6 observers, of whom 2 are excluded; 99 answers; 1 more opened the page without rating a pair"
+        );
+        assert_eq!(words_of_observers([1, 1, 1], 9.0), "1 observer; 9 answers");
+    }
 
     #[test]
     fn numbers_have_a_minus_sign_and_zero_has_none() {

@@ -3,7 +3,7 @@
 
 /** @typedef {import("./engine.js").Design} Design */
 
-/** A design that was opened, and what is to be said of it. @typedef {{ design: Design, note: string }} Opened */
+/** A design that was opened, what is to be said of it, and the family of its filters. @typedef {{ design: Design, note: string, family?: string }} Opened */
 
 /**
  * The best design in `results.json` of `smalti design`, on a camera: the results state its array alone. Its transmittances are in the order of the letters of its tile, from a on; camera files have capitals.
@@ -18,7 +18,7 @@ function ofSearch(results, camera) {
   const filters = Object.fromEntries(best.transmittances.map((/** @type {number[]} */ values, /** @type {number} */ i) => [letter(i), filter(values)]));
   const cfa = { pattern: best.tile.toUpperCase().split("/"), filters };
   const design = { ...camera, name: String(results.name), sensor: { ...camera.sensor, cfa } };
-  return { design, note: `${results.name} is open with the sensor and the lens of this page. camera.toml in the same folder has its own.` };
+  return { design, note: `${results.name} is open with the sensor and the lens of this page. camera.toml in the same folder has its own.`, family: Object.keys(results.family ?? {})[0] };
 }
 
 /**

@@ -63,12 +63,12 @@ import { Lights, START } from "./lights.js";
 /**
  * A picture of a scene by a design with the pipeline that was learned for it. `rgba` has four bytes a pixel, row by row; `reference` is
  * what the standard observer sees; `difference` has CIEDE2000 at every pixel if scores were asked for. `crop` is the part of the scene
- * that is shown. `exposure_ms` is the time of the exposure.
+ * that is shown. `exposure_ms` is the time of the exposure, `gain` that of the display.
  * @typedef {object} Picture
  * @property {number} width @property {number} height
  * @property {Uint8ClampedArray} rgba @property {Uint8ClampedArray} reference
  * @property {PictureScores | null} scores @property {Float32Array | null} difference
- * @property {Crop} crop @property {number} exposure_ms @property {number} saturated_percent
+ * @property {Crop} crop @property {number} exposure_ms @property {number} saturated_percent @property {number} gain
  * @property {Warning[]} warnings
  * @property {{ learn: number, draw: number, score: number, total: number }} timings_ms
  */

@@ -35,7 +35,7 @@ const MOST_RESULTS = 64_000_000;
 /**
  * The cameras in `results.json` of `smalti compare`; or the design in that of `smalti design` or in `report.json` of `smalti report`, with what is to be said of it.
  * @param {File} file @param {import("./engine.js").Design} shown The camera of the page.
- * @returns {Promise<{ cameras: import("./engine.js").Design[], note?: string }>}
+ * @returns {Promise<{ cameras: import("./engine.js").Design[], note?: string, family?: string }>}
  */
 export async function camerasOfResults(file, shown) {
   if (file.size > MOST_RESULTS) throw new Error("it is larger than any results that the page opens");
@@ -47,7 +47,7 @@ export async function camerasOfResults(file, shown) {
     throw new Error("it is no JSON");
   }
   const found = designIn(results, shown);
-  if (found) return { cameras: [found.design], note: found.note };
+  if (found) return { ...found, cameras: [found.design] };
   const cameras = results?.cameras;
   if (!Array.isArray(cameras) || cameras.length === 0) throw new Error("it holds no camera. Open results.json of `smalti compare` or `smalti design`, or report.json of `smalti report`");
   return { cameras };

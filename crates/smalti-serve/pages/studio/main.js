@@ -140,6 +140,7 @@ async function start() {
       const isSame = what === drawnWhat;
       if (!isSame) [drawnWhat, drawnMs] = [what, drawn.timings_ms.total - drawn.timings_ms.score];
       picture.showOwn(drawn, `${camera.name} · exposed for ${Number(drawn.exposure_ms.toPrecision(3))} ms · drawn in ${Math.round(drawnMs)} ms`, isSame);
+      byId("display-gain", HTMLElement).textContent = String(drawn.gain);
       if (!drawn.scores) return;
       own.picture = drawn;
       scores.warn([...drawn.warnings, ...own.figures?.warnings ?? []]);
@@ -308,7 +309,8 @@ async function start() {
   /** Opens the cameras of a comparison: the first one, with the second one pinned. @param {File} file */
   async function openResults(file) {
     try {
-      const { cameras: [own, other], note } = await camerasOfResults(file, store.camera);
+      const { cameras: [own, other], note, family } = await camerasOfResults(file, store.camera);
+      judgeBy(family);
       adopt(await engine.parse(await engine.cameraToml(own)), `opening ${file.name}`);
       if (note) tell(note);
       if (other) store.pin(inFull(engine, await engine.parse(await engine.cameraToml(other))));
@@ -346,6 +348,12 @@ async function start() {
   setUpOwnFiles(native, engine, () => ({ camera: inEngine(store.camera), scene: scene.value, luminance: luminance(), name: store.camera.name }));
   setUpSweep(native, () => ({ camera: store.camera, luminance: luminance() }));
   setUpImprove(store, engine, { luminance, simulated: inEngine, own: (design) => inFull(engine, design), fail: (error) => tell(`${message(error)}.`, "trouble"), native });
+  /** Judges filters as those of a family, if the page has it. @param {string | null | undefined} name */
+  function judgeBy(name) {
+    const family = byId("family", HTMLSelectElement);
+    if ([...family.options].some((option) => option.value === name)) family.value = String(name);
+  }
+  if (!location.hash) judgeBy((await offered())?.family);
   const limits = byId("limits", HTMLElement);
   let dismissed = "";
   const limitsText = () => {

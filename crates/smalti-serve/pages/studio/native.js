@@ -12,7 +12,7 @@ import { text } from "./scores.js";
  * A job at work: its result once it is announced, and the kinds of the files that are still to come.
  * @typedef {{ id: number, result?: Result, kinds: string[], onProgress: (progress: Progress) => void, resolve: (result: Result) => void, reject: (error: Error) => void }} Work
  */
-/** What comes with the page: the path of the connection and of the pinned camera. @typedef {{ native: string | null, most_message_bytes: number, pinned: string | null }} Offer */
+/** What comes with the page: the path of the connection and of the pinned camera, and the family of the filters. @typedef {{ native: string | null, most_message_bytes: number, pinned: string | null, family: import("./engine.js").Family | null }} Offer */
 
 /** What the end of a job by the page is called. */
 const CANCELLED = "cancelled";

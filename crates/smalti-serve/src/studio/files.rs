@@ -3,6 +3,7 @@
 use std::borrow::Cow;
 
 use serde_json::json;
+use smalti::design::live::LiveFamily;
 use smalti_io::studio::StudioAsset;
 
 use super::native;
@@ -85,17 +86,31 @@ static EMBEDDED: [(&str, &[u8]); 28] = embedded![
 /// The library as WebAssembly, deflated: `tools/wasm/build` makes it.
 static MODULE: &[u8] = include_bytes!("../../vendor/studio.wasm.deflate");
 
-/// All files of the page: `start` is the camera file with which it opens, `pinned` one that it is compared with, `assets` is the light of its scenes
-/// behind its lens. `is_served` says that a server with [`routes`](super::routes) stands behind it.
+/// With what the page opens.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Opening {
+    /// A camera file.
+    pub camera: String,
+    /// One that it is compared with.
+    pub pinned: Option<String>,
+    /// The family of which its filters were made, if it is known.
+    pub family: Option<LiveFamily>,
+}
+
+/// All files of the page. `assets` is the light of its scenes behind the lens of its camera. `is_served` says that a server with
+/// [`routes`](super::routes) stands behind it.
 #[must_use]
-pub fn files(start: &str, pinned: Option<&str>, assets: Vec<StudioAsset>, is_served: bool) -> Vec<PageFile> {
+pub fn files(opening: &Opening, assets: Vec<StudioAsset>, is_served: bool) -> Vec<PageFile> {
+    let pinned = opening.pinned.as_deref();
     let embedded = EMBEDDED.iter().map(|&(path, content)| (path.to_owned(), Cow::Borrowed(content)));
     let camera = |path: &str, text: &str| (path.to_owned(), Cow::Owned(text.as_bytes().to_vec()));
-    let cameras = std::iter::once(camera(START, start)).chain(pinned.map(|text| camera(PINNED, text)));
+    let cameras =
+        std::iter::once(camera(START, &opening.camera)).chain(pinned.map(|text| camera(PINNED, text)));
     let offer = json!({
         "native": is_served.then_some(native::PATH),
         "most_message_bytes": native::MOST_MESSAGE_BYTES,
         "pinned": pinned.map(|_| PINNED),
+        "family": opening.family,
     });
     let offer = (OFFER.to_owned(), Cow::Owned(offer.to_string().into_bytes()));
     let module = (format!("{ENGINE}/studio.wasm.deflate"), Cow::Borrowed(MODULE));
@@ -126,7 +141,8 @@ mod tests {
         assert_eq!(there, known);
         assert!(known.iter().any(|path| path == PAGE));
         let asset = StudioAsset { name: "scene.bin".into(), bytes: vec![1] };
-        let files = files("name = \"x\"", None, vec![asset], true);
+        let opening = Opening { camera: "name = \"x\"".into(), ..Opening::default() };
+        let files = files(&opening, vec![asset], true);
         let type_of = |path: &str| files.iter().find(|f| f.path == path).map(PageFile::media_type);
         assert_eq!(type_of("engine/scene.bin"), Some("application/octet-stream"));
         assert_eq!(type_of("main.js"), Some("text/javascript; charset=utf-8"));

@@ -14,7 +14,7 @@ use axum::http::header::{CONTENT_SECURITY_POLICY, CONTENT_TYPE};
 use axum::routing::get;
 
 use files::PAGE;
-pub use files::{PINNED, PageFile, START, files};
+pub use files::{Opening, PINNED, PageFile, START, files};
 pub use native::Native;
 
 /// As for other pages, and the module of the simulator may be compiled.

@@ -218,6 +218,7 @@ impl Engine {
             "crop": picture.crop,
             "exposure_ms": picture.time_s * 1e3,
             "saturated_percent": picture.saturated_percent,
+            "gain": scene.display_gain(&picture),
             "warnings": found,
         });
         self.drawn = Some(Drawn { key, picture });

@@ -149,6 +149,13 @@ pub(super) fn space(family: LiveFamily) -> FilterSpace {
     family.space(FreeCurves { knots: KNOTS, ..FreeCurves::default() })
 }
 
+/// The filters by which it is judged whether one is of a family. Smooth curves are those that the page searches, and those with fewer knots of searches by the
+/// native library and of `smalti design`.
+pub(super) fn judged(family: LiveFamily) -> Vec<FilterSpace> {
+    let coarse = (family == LiveFamily::Free).then(|| family.space(FreeCurves::default()));
+    std::iter::once(space(family)).chain(coarse).collect()
+}
+
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct ImproveRequest {

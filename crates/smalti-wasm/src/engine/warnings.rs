@@ -5,12 +5,13 @@ use std::collections::VecDeque;
 use serde::Serialize;
 use smalti::camera::{Camera, CameraError};
 use smalti::design::live::{LiveFamily, LiveTargetScores};
+use smalti::design::search::SampledSpace;
 use smalti::isp::WhiteBalance;
 use smalti::spectrum::{Illuminant, Spectrum};
 
 use super::EngineError;
 use super::infrared::{Beyond, Infrared};
-use super::request::space;
+use super::request::judged;
 
 /// Share of the response to white of the brightest channel below which a channel is dark.
 const DARK: f64 = 0.02;
@@ -18,6 +19,10 @@ const DARK: f64 = 0.02;
 const NOISY: f64 = 4.0;
 /// The largest difference of transmittance from the nearest filter of a family with which a filter counts as one of it.
 const APART: f64 = 0.05;
+/// The transmittance by which the peak of a filter may lie above that of the family.
+const HIGHER: f64 = 0.01;
+/// Independent channels that colour needs.
+const COLORS: usize = 3;
 /// Share of the samples that may saturate, percent.
 const SATURATED_PERCENT: f64 = 1.0;
 
@@ -82,6 +87,18 @@ pub(super) fn of_camera(camera: &Camera) -> Result<Vec<Warning>, CameraError> {
             });
         }
     }
+    let independent = camera.independent_channels(&light)?;
+    if independent < COLORS {
+        found.push(Warning {
+            key: "sensor.cfa.filters".into(),
+            message: match independent {
+                2 => "the array confuses colours: only two of its channels respond to light independently, and colour needs three. Give a filter another curve, or add a filter",
+                _ => "the array sees no colour: its channels all respond to light in the same way, and colour needs three that differ",
+            }
+            .into(),
+            filter: None,
+        });
+    }
     let noise_gain = camera.isp(&light, WhiteBalance::None)?.color_matrix.luminance_noise_gain();
     if noise_gain > NOISY {
         found.push(Warning {
@@ -93,12 +110,12 @@ pub(super) fn of_camera(camera: &Camera) -> Result<Vec<Warning>, CameraError> {
     Ok(found)
 }
 
-/// Filters of a family in words.
-fn words(family: LiveFamily) -> &'static str {
+/// How a filter is made in a family, and the filters of the family.
+fn words(family: LiveFamily) -> [&'static str; 2] {
     match family {
-        LiveFamily::Free => "as a smooth curve",
-        LiveFamily::Pigments => "of pigments",
-        LiveFamily::Dichroic => "as a dichroic band",
+        LiveFamily::Free => ["as a smooth curve", "smooth curves"],
+        LiveFamily::Pigments => ["of pigments", "filters of pigments"],
+        LiveFamily::Dichroic => ["as a dichroic band", "dichroic bands"],
     }
 }
 
@@ -108,8 +125,8 @@ const KEPT: usize = 32;
 /// The distances of filters from families.
 #[derive(Default)]
 pub(super) struct Makeable {
-    /// Family, curve and distance, those used last at the end.
-    kept: VecDeque<(LiveFamily, Spectrum, f64)>,
+    /// Family, curve, distance, and the greatest transmittance of the family; those used last at the end.
+    kept: VecDeque<(LiveFamily, Spectrum, [f64; 2])>,
 }
 
 impl Makeable {
@@ -119,37 +136,53 @@ impl Makeable {
         camera: &Camera,
         family: LiveFamily,
     ) -> Result<Vec<Warning>, EngineError> {
-        let mut sampled = None;
+        let mut sampled: Option<Vec<SampledSpace>> = None;
         let mut found = Vec::new();
         for channel in camera.sensor.cfa.channels() {
             let curve = &channel.transmittance;
             let known = self.kept.iter().find(|(f, c, _)| *f == family && c == curve).map(|(_, _, d)| *d);
-            let distance = match known {
-                Some(distance) => distance,
+            let [distance, most] = match known {
+                Some(known) => known,
                 None => {
                     let sampled = match &sampled {
                         Some(sampled) => sampled,
-                        None => sampled.insert(space(family).sampled(camera.grid())?),
+                        None => {
+                            let spaces = judged(family);
+                            let on_grid = spaces.iter().map(|space| space.sampled(camera.grid()));
+                            sampled.insert(on_grid.collect::<Result<_, _>>()?)
+                        }
                     };
-                    let distance = sampled.distance(curve);
+                    let nearest = |least: f64, space: &SampledSpace| least.min(space.distance(curve));
+                    let new = [
+                        sampled.iter().fold(1.0, nearest),
+                        sampled.iter().map(SampledSpace::clear).fold(0.0, f64::max),
+                    ];
                     if self.kept.len() >= KEPT {
                         self.kept.pop_front();
                     }
-                    self.kept.push_back((family, curve.clone(), distance));
-                    distance
+                    self.kept.push_back((family, curve.clone(), new));
+                    new
                 }
             };
+            let [made, filters] = words(family);
+            let mut warn = |message: String| {
+                let (key, filter) = (format!("sensor.cfa.filters.{}", channel.name), channel.name.clone());
+                found.push(Warning { key, message, filter: Some(filter) });
+            };
             if distance > APART {
-                found.push(Warning {
-                    key: format!("sensor.cfa.filters.{}", channel.name),
-                    message: format!(
-                        "the filter {} cannot be made {}: the nearest such filter differs by up to {:.0} % transmittance",
-                        channel.name,
-                        words(family),
-                        100.0 * distance
-                    ),
-                    filter: Some(channel.name.clone()),
-                });
+                warn(format!(
+                    "the filter {} cannot be made {made}: the nearest such filter differs by up to {:.0} % transmittance",
+                    channel.name,
+                    100.0 * distance
+                ));
+            }
+            if curve.max() > most + HIGHER {
+                warn(format!(
+                    "the peak of the filter {} is {:.0} % transmittance; {filters} reach {:.0} %",
+                    channel.name,
+                    100.0 * curve.max(),
+                    100.0 * most
+                ));
             }
         }
         Ok(found)
@@ -170,7 +203,9 @@ pub(super) fn of_targets(targets: &LiveTargetScores) -> Vec<Warning> {
 pub(super) fn of_capture(saturated_percent: f64) -> Option<Warning> {
     (saturated_percent > SATURATED_PERCENT).then(|| Warning {
         key: "exposure.time_ms".into(),
-        message: format!("{saturated_percent:.1} % of the samples saturate"),
+        message: format!(
+            "{saturated_percent:.1} % of the samples saturate: the picture and its scores show clipped highlights"
+        ),
         filter: None,
     })
 }

@@ -4,11 +4,14 @@ use serde::Serialize;
 
 use super::{Camera, CameraError, ColorimetricObserver, SensorColorimetry};
 use crate::isp::WhiteBalance;
-use crate::numeric::dense::Eigen;
+use crate::numeric::dense::{Eigen, dot};
 use crate::spectrum::Spectrum;
 
 /// An eigenvalue below this share of the largest is 0 to the precision of the matrix.
 const SINGULAR: f64 = 1e-13;
+/// The share of the largest singular value of the responses up to which another one counts as 0. The third ones of the built-in cameras that see
+/// colour are at least 0.19; a blue filter that is nine tenths green leaves 0.05.
+const DEPENDENT: f64 = 0.05;
 
 /// Figures of a colour filter array on a camera under a light.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -45,6 +48,26 @@ impl Camera {
             condition_number: condition_number(&columns),
             luminance_noise_gain: matrix.luminance_noise_gain(),
         })
+    }
+
+    /// In how many independent ways the channels respond to a light on the grid of the camera: the number of singular values above a twentieth of the largest
+    /// of the spectral responses, each relative to that to white. Colour needs three.
+    ///
+    /// # Errors
+    /// When a curve does not cover the wavelengths.
+    pub fn independent_channels(&self, light: &Spectrum) -> Result<usize, CameraError> {
+        let mut responses = Vec::new();
+        for response in self.responsivities()? {
+            let response = response.times(light)?;
+            let white: f64 = response.values().iter().sum();
+            if white > 0.0 {
+                responses.push(response.scaled(1.0 / white)?);
+            }
+        }
+        let products = responses.iter().flat_map(|a| responses.iter().map(|b| dot(a.values(), b.values())));
+        let Some(found) = Eigen::of(&products.collect::<Vec<_>>(), responses.len()) else { return Ok(0) };
+        let most = found.values.last().copied().unwrap_or_default();
+        Ok(found.values.iter().filter(|v| **v > DEPENDENT * DEPENDENT * most).count())
     }
 
     /// See [`ArrayFigures::photon_efficiency`].
@@ -112,6 +135,27 @@ mod tests {
         assert!(near(condition_number(&[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]), 1.0));
         assert!(near(condition_number(&[[4.0, 0.0, 0.0], [0.0, -2.0, 0.0], [0.0, 0.0, 0.5]]), 8.0));
         assert_eq!(condition_number(&[[1.0, 2.0, 3.0], [2.0, 1.0, 0.0]]), None);
+    }
+
+    /// Apart, three bands are three; a third curve that is mixed of the other two adds none, nor does a dark one.
+    #[test]
+    fn independent_channels_are_counted() {
+        let count = |transmittances: &[Spectrum], cells: &[u8]| {
+            let camera = Camera::new(CameraDescription::default(), GRID).unwrap();
+            let channel =
+                |(i, t): (usize, &Spectrum)| Channel { name: i.to_string(), transmittance: t.clone() };
+            let channels = transmittances.iter().enumerate().map(channel).collect();
+            let cfa = Cfa::new("test", Mosaic::new(2, 2, cells.to_vec()).unwrap(), channels).unwrap();
+            camera.with_cfa(cfa).independent_channels(&Illuminant::D65.photons(GRID).unwrap()).unwrap()
+        };
+        let [low, high, all] = [band(0.0, 500.0), band(590.0, 1000.0), band(0.0, 1000.0)];
+        let (middle, dark) = (band(500.0, 590.0), band(2000.0, 3000.0));
+        assert_eq!(count(&[low.clone(), middle.clone(), high.clone()], &[0, 1, 2, 1]), 3);
+        assert_eq!(count(&[low.clone(), middle.clone(), high, all.clone()], &[0, 1, 2, 3]), 3);
+        assert_eq!(count(&[low.clone(), middle.clone(), middle.clone()], &[0, 1, 2, 1]), 2);
+        assert_eq!(count(&[low.clone(), middle.clone(), dark], &[0, 1, 2, 1]), 2);
+        assert_eq!(count(&[low.clone(), middle.clone(), band(0.0, 590.0)], &[0, 1, 2, 1]), 2);
+        assert_eq!(count(&[all], &[0, 0, 0, 0]), 1);
     }
 
     /// Bands that overlap need a matrix of large coefficients of opposite sign.

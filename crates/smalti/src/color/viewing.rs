@@ -1,8 +1,8 @@
 //! Conversion of relative XYZ images for viewing on a display.
 
 use super::adaptation::bradford;
-use super::display::{Matrices, encode_srgb};
-use super::matrix::{IDENTITY, Matrix3, apply};
+use super::display::{D65_XYZ, Matrices, encode_srgb};
+use super::matrix::apply;
 use super::{ColorSpace, Image, ImageError, xyz_from_lab};
 use crate::numeric::Planes;
 
@@ -47,14 +47,23 @@ impl Image {
         self.rgb8().as_chunks().0.iter().flat_map(|&[r, g, b]| [r, g, b, u8::MAX]).collect()
     }
 
-    /// Converts a picture in XYZ to sRGB for viewing. It is multiplied by `gain`, and its white (X, Y, Z with Y = 1) is adapted to
-    /// that of sRGB (Bradford). Without a white, colours are not adapted.
+    /// Converts a picture in XYZ to sRGB for viewing. Its white (X, Y, Z with Y = 1) is adapted to that of sRGB (Bradford), and it is multiplied by
+    /// `gain`. Without a white, colours are not adapted. These are the steps by which a camera with the white balance of the illuminant makes its picture, so that
+    /// equal pictures are shown by equal bits.
     ///
     /// # Errors
     /// [`ImageError::Space`] when the picture is not in XYZ; [`ImageError::White`] when the white cannot be adapted.
     pub fn shown(&self, white: Option<[f64; 3]>, gain: f64) -> Result<Self, ImageError> {
-        let adapted = white.map_or(Ok(IDENTITY), |w| bradford(SRGB_WHITE, w).ok_or(ImageError::White(w)))?;
-        self.transformed(&adapted, gain)?.converted(ColorSpace::Srgb)
+        self.balanced(white)?.scaled(gain).converted(ColorSpace::Srgb)
+    }
+
+    /// A picture in XYZ with its white (X, Y, Z with Y = 1) adapted to that of sRGB (Bradford); without a white, as it is.
+    ///
+    /// # Errors
+    /// [`ImageError::Space`] when the picture is not in XYZ; [`ImageError::White`] when the white cannot be adapted.
+    pub fn balanced(&self, white: Option<[f64; 3]>) -> Result<Self, ImageError> {
+        self.check_space(ColorSpace::Xyz)?;
+        white.map_or_else(|| Ok(self.clone()), |white| self.adapted(D65_XYZ, white))
     }
 
     /// A picture in XYZ with its white (X, Y, Z with Y = 1) adapted to another (Bradford).
@@ -62,15 +71,11 @@ impl Image {
     /// # Errors
     /// [`ImageError::Space`] when the picture is not in XYZ; [`ImageError::White`] when the white cannot be adapted.
     pub fn adapted(&self, white_to: [f64; 3], white_from: [f64; 3]) -> Result<Self, ImageError> {
-        self.transformed(&bradford(white_to, white_from).ok_or(ImageError::White(white_from))?, 1.0)
-    }
-
-    /// A picture in XYZ, multiplied by a matrix and a factor.
-    fn transformed(&self, matrix: &Matrix3, gain: f64) -> Result<Self, ImageError> {
+        let matrix = bradford(white_to, white_from).ok_or(ImageError::White(white_from))?;
         self.check_space(ColorSpace::Xyz)?;
         let ([x, y, z], mut out) = (self.channels(), Planes::zeros(self.rows(), self.cols(), 3));
-        for (out, row) in out.planes_mut().zip(matrix) {
-            let [a, b, c] = row.map(|v| (v * gain) as f32);
+        for (out, row) in out.planes_mut().zip(&matrix) {
+            let [a, b, c] = row.map(|v| v as f32);
             let xyz = x.iter().zip(y).zip(z);
             out.iter_mut().zip(xyz).for_each(|(o, ((x, y), z))| *o = a * x + b * y + c * z);
         }

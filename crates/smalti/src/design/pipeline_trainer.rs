@@ -91,13 +91,30 @@ impl PipelineTrainer {
         let design = self.data.exposed(cfa)?;
         let pipeline = match &self.from_light {
             Some(trainer) => trainer.pipeline(&self.data, &design)?,
-            None => {
-                let training = Training { solver: self.data.settings.solver, ..Training::default() };
-                training.solve(&self.statistics(&design)?, String::new())?
-            }
+            None => self.patch_pipeline(&design)?,
         };
         let reach = pipeline.reach();
         Ok((pipeline, reach))
+    }
+
+    /// [`PipelineTrainer::pipeline`], also where the training scene saturates the design, which statistics of the light do not describe: there it is
+    /// learned from the patches of a capture, which have classes of clipped samples. Also returns what it was learned from.
+    pub(super) fn pipeline_in_any_light(
+        &self,
+        cfa: &Cfa,
+    ) -> Result<(Pipeline, LearningStatistics), CameraError> {
+        let design = self.data.exposed(cfa)?;
+        match &self.from_light {
+            Some(trainer) if trainer.saturated(&design)?.is_none() => {
+                Ok((trainer.pipeline(&self.data, &design)?, LearningStatistics::Light))
+            }
+            _ => Ok((self.patch_pipeline(&design)?, LearningStatistics::Patches)),
+        }
+    }
+
+    fn patch_pipeline(&self, design: &ExposedDesign) -> Result<Pipeline, CameraError> {
+        let training = Training { solver: self.data.settings.solver, ..Training::default() };
+        Ok(training.solve(&self.statistics(design)?, String::new())?)
     }
 
     /// Gathers what designs with a mosaic have in common, if it is not known yet. [`PipelineTrainer::pipeline`] does so when needed; doing

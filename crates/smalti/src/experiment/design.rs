@@ -112,7 +112,7 @@ fn own_filters(
             return Ok(found.clone());
         }
         let wanted = filter.spectrum(space.grid()).map_err(CameraError::from)?;
-        let found = space.nearest(wanted.values());
+        let found = space.start_near(wanted.values());
         known.insert(name, found.clone());
         Ok(found)
     };

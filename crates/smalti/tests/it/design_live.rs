@@ -61,16 +61,29 @@ fn viewed(picture: &Image) -> Vec<u8> {
 #[test]
 fn pictures_are_those_of_a_study_bit_for_bit() {
     let bare = LiveSetup::new(&camera(), Illuminant::D65, learning()).bare;
-    let condition = Condition {
-        values: Vec::new(),
-        luminance_cd_m2: LUMINANCE,
-        illuminant: Illuminant::D65,
-        camera: bare.clone(),
-    };
-    let study = Study { conditions: vec![condition], l3: learning(), ..serde_json::from_str(STUDY).unwrap() };
+    assert_eq!(as_in_a_study(bare, LUMINANCE, LearningStatistics::Light), 0.0);
+}
+
+/// In light that saturates the training scene, they are those of a study whose pipelines are learned from patches.
+#[test]
+fn saturated_pictures_are_those_of_patches_bit_for_bit() {
+    let mut bright = LiveSetup::new(&camera(), Illuminant::D65, learning()).bare;
+    bright.exposure.time_ms = Some(4.0);
+    for stops in [0.0, 3.0, 10.0] {
+        let share = as_in_a_study(bright.clone(), 1e4 * f64::exp2(stops), LearningStatistics::Patches);
+        assert!(share > 10.0, "{stops}: {share} %");
+    }
+}
+
+/// Compares a picture of a bare camera with that of a study, and returns the share of the samples that saturate, percent.
+fn as_in_a_study(bare: CameraDescription, luminance_cd_m2: f64, statistics: LearningStatistics) -> f64 {
+    let condition =
+        Condition { values: Vec::new(), luminance_cd_m2, illuminant: Illuminant::D65, camera: bare.clone() };
+    let l3 = LearningSettings { statistics, ..learning() };
+    let study = Study { conditions: vec![condition], l3, ..serde_json::from_str(STUDY).unwrap() };
     let (scene, training) = light(&bare);
     let of_study = PreviewLight {
-        factor: LUMINANCE,
+        factor: luminance_cd_m2,
         scenes: vec![scene.scene.clone()],
         training: Some(training.training.clone()),
     };
@@ -83,10 +96,11 @@ fn pictures_are_those_of_a_study_bit_for_bit() {
     let pattern = PatternDescription::Letters(vec!["bc".into(), "ab".into()]);
     let mut description = bare;
     description.sensor.cfa = CfaDescription { pattern, filters, ..CfaDescription::default() };
-    let design = learner.learn(&description, LUMINANCE, study.seed).unwrap();
+    let design = learner.learn(&description, luminance_cd_m2, study.seed).unwrap();
     let found = pictures.picture(&design, None, NoiseMode::All, study.seed).unwrap();
     assert_eq!(viewed(&found.picture).len(), expected.len());
     assert!(viewed(&found.picture) == expected);
+    found.saturated_percent
 }
 
 /// The picture and the reference from the light on bare pixels have the CPSNR of the simulation with an optical image.

@@ -1,6 +1,6 @@
 //! What better designs are to the studio, whether its page or the native library searches them.
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::camera::Camera;
@@ -16,7 +16,7 @@ const LONGEST_S: f64 = 0.033;
 const DELTA_E_2000: f64 = 2.0;
 
 /// The filters that can be made.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum LiveFamily {
     /// Any smooth curve.

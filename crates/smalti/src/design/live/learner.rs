@@ -1,4 +1,4 @@
-//! Pipelines of designs, learned from statistics of the light of one training scene.
+//! Pipelines of designs, learned from statistics of the light of one training scene, or from its patches where they saturate.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -11,7 +11,7 @@ use crate::camera::description::{CameraDescription, CfaDescription, IspDescripti
 use crate::camera::stable_text::stable_text;
 use crate::camera::{Camera, CameraError};
 use crate::design::latest::keep_latest;
-use crate::design::learning_settings::LearningSettings;
+use crate::design::learning_settings::{LearningSettings, LearningStatistics};
 use crate::design::pipeline_trainer::PipelineTrainer;
 use crate::design::pixel_light::PixelLight;
 use crate::design::targets::has_independent_samples;
@@ -32,6 +32,7 @@ pub struct LiveDesign {
     pub(super) lens: Spectrum,
     pub(super) pipeline: Pipeline,
     pub(super) luminance_cd_m2: f64,
+    learned_from: LearningStatistics,
     /// Seed of the noise in which patches were classified.
     seed: u64,
 }
@@ -42,7 +43,7 @@ struct Provenance<'a> {
     smalti_version: &'a str,
     learned_in: &'a str,
     camera: &'a CameraDescription,
-    learning: &'a LearningSettings,
+    learning: LearningSettings,
     illuminant: String,
     luminance_cd_m2: f64,
     seed: u64,
@@ -129,8 +130,10 @@ impl LiveLearner {
 
     /// Learns the pipeline of a design for scenes of a mean luminance. `seed` is that of the noise in which patches are classified.
     ///
+    /// A design that the training scene saturates is learned from the patches of its capture: statistics of light do not describe clipping. This takes longer.
+    ///
     /// # Errors
-    /// When the design is invalid or does not fit the setup, its filters pass no light, or it cannot be learned from statistics of light.
+    /// When the design is invalid or does not fit the setup, or its filters pass no light.
     pub fn learn(
         &mut self,
         description: &CameraDescription,
@@ -144,8 +147,8 @@ impl LiveLearner {
         let camera = self.camera(description)?;
         let lens = camera.optics.transmittance_on(camera.grid())?;
         let trainer = self.trainer(&camera, &lens, luminance_cd_m2, seed)?;
-        let (pipeline, _) = trainer.pipeline(&camera.sensor.cfa)?;
-        Ok(LiveDesign { camera, lens, pipeline, luminance_cd_m2, seed })
+        let (pipeline, learned_from) = trainer.pipeline_in_any_light(&camera.sensor.cfa)?;
+        Ok(LiveDesign { camera, lens, pipeline, luminance_cd_m2, learned_from, seed })
     }
 
     /// The pipeline of a design that was learned here, to be kept in a file: with its white point, and with a provenance that states how
@@ -154,13 +157,16 @@ impl LiveLearner {
     /// # Errors
     /// When the illuminant does not lie on the wavelengths of the setup.
     pub fn table(&self, design: &LiveDesign) -> Result<Pipeline, CameraError> {
-        let LiveDesign { camera, pipeline, luminance_cd_m2, seed, .. } = design;
+        let LiveDesign { camera, pipeline, luminance_cd_m2, learned_from, seed, .. } = design;
         let LiveSetup { illuminant, learning, .. } = &self.setup;
+        let learning = LearningSettings { statistics: *learned_from, ..learning.clone() };
         let provenance = stable_text(&Provenance {
             smalti_version: env!("CARGO_PKG_VERSION"),
-            learned_in: "the studio, from statistics of light",
+            learned_in: match learned_from {
+                LearningStatistics::Light => "the studio, from statistics of light",
+                LearningStatistics::Patches => "the studio, from patches",
+            },
             camera: camera.description(),
-            learning,
             illuminant: illuminant.name(),
             luminance_cd_m2: *luminance_cd_m2,
             seed: *seed,
@@ -168,6 +174,7 @@ impl LiveLearner {
                 format!("training scene {} of studies, {1} × {1} pixels", learning.scene, learning.size_px),
                 "uniform surfaces with the reflectances of training".into(),
             ],
+            learning,
         })?;
         let white = Observer::Cie1931.white(&illuminant.photons(camera.grid())?)?;
         Ok(pipeline.clone().with_white(Some(white)).with_provenance(provenance))

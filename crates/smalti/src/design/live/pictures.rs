@@ -184,7 +184,13 @@ impl LivePictures {
     /// # Errors
     /// When the picture is not in X, Y, Z.
     pub fn rgba8(&self, picture: &LivePicture) -> Result<Vec<u8>, CameraError> {
-        self.shown(&picture.picture, 1.0 / picture.scale)
+        Ok(picture.picture.shown(Some(self.white), self.display_gain(picture))?.rgba8())
+    }
+
+    /// The gain with which [`LivePictures::rgba8`] shows a picture, as `smalti render --gain` takes it.
+    #[must_use]
+    pub fn display_gain(&self, picture: &LivePicture) -> f64 {
+        self.gain / picture.scale
     }
 
     /// The reference as RGBA, like a picture.
@@ -192,11 +198,7 @@ impl LivePictures {
     /// # Errors
     /// When the part is not within the scene.
     pub fn reference_rgba8(&self, crop: Option<LiveCrop>) -> Result<Vec<u8>, CameraError> {
-        self.shown(&self.reference(crop)?, 1.0)
-    }
-
-    fn shown(&self, image: &Image, factor: f64) -> Result<Vec<u8>, CameraError> {
-        Ok(image.shown(Some(self.white), factor * self.gain)?.rgba8())
+        Ok(self.reference(crop)?.shown(Some(self.white), self.gain)?.rgba8())
     }
 
     /// The differences of a picture from the reference, as [`score_picture`](crate::camera::score_picture) has them.

@@ -29,7 +29,7 @@ pub struct LiveSetup {
     pub bare: CameraDescription,
     /// The illuminant of the scenes.
     pub illuminant: Illuminant,
-    /// How pipelines are learned; always from statistics of light.
+    /// How pipelines are learned: always from statistics of light, and from patches where the training scene saturates a design.
     pub learning: LearningSettings,
 }
 

@@ -65,7 +65,7 @@ impl Improvement {
         let given = channels().map(|(i, t)| is_kept(i).then(|| t.clone())).collect();
         let first = |(i, t): (usize, &Spectrum)| match is_kept(i) {
             true => Vec::new(),
-            false => space.nearest(t.values()),
+            false => space.start_near(t.values()),
         };
         let parameters = channels().map(first).collect();
         let goal = objective.goal(&own);

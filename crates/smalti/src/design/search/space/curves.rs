@@ -31,6 +31,11 @@ pub(super) trait Curves: Debug + Send + Sync {
         None
     }
 
+    /// Whether the divergence from any curve is a convex function of the parameters, so that every search for its minimum ends there.
+    fn is_divergence_convex(&self) -> bool {
+        false
+    }
+
     /// Number of filters to choose from; `None` for families of continuous parameters.
     fn choices(&self) -> Option<usize> {
         None

@@ -69,4 +69,9 @@ impl Curves for Sampled {
         };
         self.hats.iter().map(of).collect()
     }
+
+    /// It is that of logistic regression: the logit of the transmittance is linear in the parameters.
+    fn is_divergence_convex(&self) -> bool {
+        true
+    }
 }
