@@ -51,7 +51,7 @@ macro_rules! embedded {
     };
 }
 
-static EMBEDDED: [(&str, &[u8]); 28] = embedded![
+static EMBEDDED: [(&str, &[u8]); 30] = embedded![
     "bench.js",
     "design.js",
     "designs.js",
@@ -63,6 +63,8 @@ static EMBEDDED: [(&str, &[u8]); 28] = embedded![
     "filters.js",
     "improve.js",
     "index.html",
+    "kinds.js",
+    "labels.js",
     "lights.js",
     "main.js",
     "mosaic.js",
