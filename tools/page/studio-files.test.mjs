@@ -93,7 +93,7 @@ test("a file of another kind is named, with what can be done with it, and never 
     ["a.bin", bytes("\x01\x02\x03\0\xff"), "is a file of an unknown kind. The page opens camera.toml, results.json, report.json, curves as CSV, PNG and JPEG."],
     ["page.html", bytes("<!doctype html><p>"), "is a page or another file in HTML or XML"],
     ["script.js", bytes("var x=1;".repeat(900)), "script.js is no camera file: line 1, column"],
-    [`${"long".repeat(40)}\u202e.toml`, bytes(`name = 1 # ${"x".repeat(900)}\n`), "…: "],
+    [`${"long".repeat(40)}\u202e.toml`, bytes(`name = 1 # ${"x".repeat(900)}\n`), "… is no camera file: line 1"],
   ]) {
     await page.locator("#file").setInputFiles({ name, mimeType: "", buffer: content });
     await trouble.filter({ hasText: said }).waitFor();

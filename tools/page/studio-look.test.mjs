@@ -66,6 +66,7 @@ test("on a phone the picture stays at the top while the rest scrolls, unless the
 test("nothing moves when a shape with more fields is chosen and when lists are opened", async () => {
   const { page, faults, close } = await open();
   const boxes = () => Promise.all(["#stage", ".card.filters", ".scores"].map((s) => page.locator(s).boundingBox()));
+  await page.getByLabel("Start from").selectOption("rgbw");
   await page.getByLabel("Infrared cut").selectOption("none");
   await page.locator("#warnings[data-some]").waitFor();
   await settled(page);

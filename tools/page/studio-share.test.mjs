@@ -112,10 +112,10 @@ test("a camera stays as stated when the page does not simulate all of it, and th
   }
   // It opens over the page, and closes with Escape.
   await note.getByText("Simulated in part").click();
-  await page.getByText("Not simulated on this page for rgbx: ").waitFor();
+  await note.locator("p", { hasText: "Not simulated on this page for rgbx: " }).waitFor();
   assert.deepEqual(await page.locator("main").boundingBox(), stage, "nothing moves");
   await page.keyboard.press("Escape");
-  await page.getByText("Not simulated on this page for rgbx: ").waitFor({ state: "hidden" });
+  await note.locator("p", { hasText: "Not simulated on this page for rgbx: " }).waitFor({ state: "hidden" });
   // Also for a pinned camera alone.
   await page.getByLabel("Preset").selectOption({ label: "bayer" });
   assert.ok(await note.isHidden());
