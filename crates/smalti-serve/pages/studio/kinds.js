@@ -14,14 +14,15 @@ const MOST_SHOWN = 80;
 
 const OPENS = "The page opens camera.toml, results.json, report.json, curves as CSV, PNG and JPEG.";
 const SPECTRAL = "may be a spectral image. Smalti opens it as a scene: `smalti simulate camera.toml --scene FILE`.";
+const RAW = "is a TIFF file or a raw image (DNG). The page opens PNG and JPEG; `smalti render` processes a raw image with a learned table.";
 const PICTURE = "is a picture or film that the page does not read. Convert it to PNG or JPEG.";
 /** Files that begin with some bytes, as Latin 1, from a place on. @type {[at: number, bytes: string, kind: Kind][]} */
 const SIGNATURES = [
   [0, "\x89PNG", "photograph"],
   [0, "\xff\xd8\xff", "photograph"],
   [8, '{"__metadata__"', { refused: "is a learned table (.l3), which has a pipeline and no design. Use it with `smalti render raw.dng --pipeline FILE`." }],
-  [0, "II*\0", { refused: "is a TIFF file or a raw image (DNG). The page opens PNG and JPEG; `smalti render` processes a raw image with a learned table." }],
-  [0, "MM\0*", { refused: "is a TIFF file or a raw image (DNG). The page opens PNG and JPEG; `smalti render` processes a raw image with a learned table." }],
+  [0, "II*\0", { refused: RAW }],
+  [0, "MM\0*", { refused: RAW }],
   [0, "GIF8", { refused: PICTURE }],
   [0, "BM", { refused: PICTURE }],
   [8, "WEBP", { refused: PICTURE }],

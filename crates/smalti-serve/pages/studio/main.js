@@ -1,6 +1,6 @@
 // @ts-check
 // The studio: starts the engine, opens a design, and joins the parts of the page.
-import { announce, atFrame, byId, inOneLine, make, setUpMessages, tell, untell } from "./dom.js";
+import { announce, atFrame, byId, make, setUpMessages, tell, untell } from "./dom.js";
 import { withValue } from "./design.js";
 import { Engine } from "./engine.js";
 import { camerasOfResults, curvesCsv, fileName, save } from "./files.js";

@@ -39,8 +39,7 @@ export function setUpMosaic(store, catalogue, colors) {
   /** @param {number} row @param {number} col @param {string} letter @param {string} key */
   function paintAt(row, col, letter, key) {
     const cells = mirrored(row, col).filter(([r, c]) => letterAt(store.camera, r, c) !== letter);
-    if (cells.length === 0) return;
-    store.change(paint(store.camera, cells, letter), "painting", key);
+    if (cells.length > 0) store.change(paint(store.camera, cells, letter), "painting", key);
     const others = cells.filter(([r, c]) => r !== row || c !== col).length;
     announce(`Row ${row + 1}, column ${col + 1}: ${letter}${others > 0 ? `, and ${others} more ${others === 1 ? "cell" : "cells"} by symmetry` : ""}`);
   }

@@ -121,7 +121,7 @@ export function setUpScores(relevances) {
     const [summary, list] = [/** @type {HTMLElement} */ (warnings.querySelector("summary")), /** @type {HTMLElement} */ (warnings.querySelector("ul"))];
     const count = warned.length === 0 ? "No warnings" : warned.length === 1 ? warned[0] : `${warned.length} warnings: ${warned[0]}`;
     const text = earlier.size > 0 ? BEFORE + count.replace(/^No/, "no") : count;
-    if (summary.textContent === text && list.children.length === warned.length) return;
+    if (summary.textContent === text && list.children.length === warned.length && warned.every((message, i) => list.children[i].textContent === message)) return;
     summary.textContent = text;
     list.replaceChildren(...warned.map((message) => make("li", {}, message)));
     warnings.toggleAttribute("data-some", warned.length > 0 || earlier.size > 0);
