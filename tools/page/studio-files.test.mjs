@@ -81,8 +81,53 @@ test("results of a search and the report of a sweep open as designs", async () =
   await page.waitForFunction(() => document.querySelector("#name").value === "few, trial 0");
   assert.deepEqual(await cells(page), ["BC", "AB"]);
   await settled(page);
+  // A name that would turn the text around it is shown without that, as `smalti studio` does with the folder.
+  const report = JSON.parse(await readFile(join(own.dir, "few/report/report.json")));
+  report.studies[0].name = "a\u202eb";
+  await take("report.json", report);
+  await page.waitForFunction(() => document.querySelector("#name").value === "a\ufffdb, trial 0");
   await take("other.json", { studies: [] });
   await page.getByText("it holds no camera").waitFor();
+  assert.deepEqual(faults, []);
+  await close();
+});
+
+test("a file of another kind is named, with what can be done with it, and never printed", async () => {
+  const { page, faults, close } = await own.open({}, exported.address);
+  const trouble = page.locator("#message[data-kind=trouble] #trouble");
+  const bytes = (text) => Buffer.from(text, "latin1");
+  for (const [name, content, said] of [
+    ["own.l3", await readFile(join(own.dir, "own.l3")), "own.l3 is a learned table (.l3), which has a pipeline and no design. Use it with `smalti render raw.dng --pipeline FILE`."],
+    ["own.dng", await readFile(join(own.dir, "own.dng")), "own.dng is a TIFF file or a raw image (DNG)."],
+    ["camera.toml", await readFile(join(own.dir, "own.l3")), "camera.toml is a learned table"],
+    ["part.parquet", bytes("PAR1\x15\x04\0\0"), "is a table of a sweep (Parquet). `smalti report STUDY` writes report.json"],
+    ["scene.exr", bytes("\x76\x2f\x31\x01\x02\0\0\0"), "is an OpenEXR image"],
+    ["a.gif", bytes("GIF89a\x01\0"), "Convert it to PNG or JPEG."],
+    ["a.bin", bytes("\x01\x02\x03\0\xff"), "is a file of an unknown kind. The page opens camera.toml, results.json, report.json, curves as CSV, PNG and JPEG."],
+    ["page.html", bytes("<!doctype html><p>"), "is a page or another file in HTML or XML"],
+    ["script.js", bytes("var x=1;".repeat(900)), "script.js is no camera file: line 1, column"],
+    [`${"long".repeat(40)}\u202e.toml`, bytes(`name = 1 # ${"x".repeat(900)}\n`), "… is no camera file: line 1"],
+  ]) {
+    await page.locator("#file").setInputFiles({ name, mimeType: "", buffer: content });
+    await trouble.filter({ hasText: said }).waitFor();
+    const text = await trouble.textContent();
+    assert.ok(text.length < 450 && !/[\p{Cc}\u202e]/u.test(text), text);
+    const [box, stage, dismiss] = await Promise.all(["#message", "#stage", "#dismiss"].map((s) => page.locator(s).boundingBox()));
+    assert.ok(box.y >= stage.y && dismiss.x + dismiss.width <= stage.x + stage.width && dismiss.y + dismiss.height <= box.y + box.height, name);
+    await page.getByRole("button", { name: "Dismiss the message" }).click();
+  }
+  // A file that is dragged over the page is seen to be taken.
+  const drag = (type) => page.evaluate((event) => {
+    const data = new DataTransfer();
+    data.items.add(new File(["x"], "a.bin"));
+    document.dispatchEvent(new DragEvent(event, { dataTransfer: data, cancelable: true }));
+  }, type);
+  for (const end of ["dragleave", "drop"]) {
+    await drag("dragover");
+    assert.match(await page.evaluate(() => getComputedStyle(document.body, "::after").content), /Drop the file to open it/);
+    await drag(end);
+    assert.equal(await page.evaluate(() => getComputedStyle(document.body, "::after").content), "none");
+  }
   assert.deepEqual(faults, []);
   await close();
 });
@@ -104,6 +149,7 @@ test("a sweep over light and tolerances is shown as a table and saved as CSV", a
   const csv = String(await readFile(await download.path())).trim().split("\n");
   assert.equal(csv.length, 6);
   assert.ok(Math.abs(Number(csv[1].split(",")[3]) - cpsnr) < 0.006, csv[1]);
+  assert.ok(!(await table.innerText()).includes("−0.00 "), "zero has no sign");
   assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth));
   await picture(page, "sweep");
   assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth));

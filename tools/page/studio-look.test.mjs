@@ -36,6 +36,88 @@ for (const colorScheme of ["light", "dark"]) {
   });
 }
 
+test("on a phone the picture stays at the top while the rest scrolls, unless the window is low", async () => {
+  const { page, faults, close } = await open({ viewport: { width: 390, height: 844 } });
+  const stage = page.locator("#stage");
+  const scrolled = async (to) => {
+    await page.locator(to).evaluate((e) => e.scrollIntoView());
+    const { y, height } = await stage.boundingBox();
+    const isSeen = await page.evaluate((at) => document.elementFromPoint(innerWidth / 2, at)?.id === "canvas", Math.max(y + height / 2, 1));
+    const below = (await page.locator(to).boundingBox()).y - y - height;
+    return { y, isSeen, below };
+  };
+  for (const [width, height] of [[390, 844], [360, 740]]) {
+    await page.setViewportSize({ width, height });
+    for (const to of ["#scores-title", "#mosaic-title", "#filters-title", "#improve-title"]) {
+      const { y, isSeen, below } = await scrolled(to);
+      assert.equal(y, 0, `${width}, ${to}`);
+      assert.ok(isSeen && below >= 0, `${width}, ${to}: ${isSeen}, ${below}`);
+    }
+    const [card, cols] = [await page.locator(".card.mosaic").boundingBox(), await page.locator("#cols").boundingBox()];
+    assert.ok(cols.x + cols.width <= card.x + card.width - 10, `${width}: the field for columns is in its card`);
+    assert.ok((await page.locator("#symmetry").boundingBox()).width > 120, `${width}: symmetry is read in full`);
+  }
+  await page.setViewportSize({ width: 740, height: 360 });
+  assert.ok((await scrolled("#mosaic-title")).y < 0);
+  assert.deepEqual(faults, []);
+  await close();
+});
+
+test("nothing moves when a shape with more fields is chosen and when lists are opened", async () => {
+  const { page, faults, close } = await open();
+  const boxes = () => Promise.all(["#stage", ".card.filters", ".scores"].map((s) => page.locator(s).boundingBox()));
+  await page.getByLabel("Start from").selectOption("rgbw");
+  await page.getByLabel("Infrared cut").selectOption("none");
+  await page.locator("#warnings[data-some]").waitFor();
+  await settled(page);
+  const begun = await boxes();
+  await page.getByText("Definitions", { exact: true }).click();
+  await page.getByText("Mean CIEDE2000 over the pixels of the picture").waitFor();
+  assert.deepEqual(await boxes(), begun, "definitions");
+  await page.keyboard.press("Escape");
+  await page.locator("#warnings summary").click();
+  assert.deepEqual(await boxes(), begun, "warnings");
+  await page.keyboard.press("Escape");
+  assert.equal(await page.locator("#warnings").getAttribute("open"), null);
+  for (const shape of ["dye", "gaussian", "flat", "samples"]) {
+    await page.getByLabel(/^Shape of filter/).selectOption(shape);
+    await settled(page);
+    assert.deepEqual((await boxes())[1], begun[1], shape);
+  }
+  assert.deepEqual(faults, []);
+  await close();
+});
+
+test("no letter of a filter lies on another one, and no curve crosses it", async () => {
+  const { page, faults, close } = await open();
+  for (const mosaic of ["rgbw", "rgbcmy", "bayer"]) {
+    await page.getByLabel("Start from").selectOption(mosaic);
+    if (mosaic === "bayer") await page.getByRole("button", { name: "Add a filter" }).click();
+    await settled(page);
+    for (const [width, height] of [[1440, 900], [360, 740], [3840, 2160]]) {
+      await page.setViewportSize({ width, height });
+      await page.waitForTimeout(100);
+      const found = await page.evaluate(() => {
+        const letters = [...document.querySelectorAll("#plot .letter")].map((e) => ({ text: e.textContent, box: e.getBBox() }));
+        const curves = [...document.querySelectorAll("#plot .curve")].map((path) => Array.from({ length: 2001 }, (_, i) => path.getPointAtLength(path.getTotalLength() * i / 2000)));
+        const all = [];
+        // Within the letter itself: its box has the height of a line.
+        const inside = ({ x, y, width: w, height: h }, p) => p.x > x && p.x < x + w && p.y > y + h / 4 && p.y < y + 3 * h / 4;
+        letters.forEach(({ text, box }, i) => {
+          for (const { text: other, box: b } of letters.slice(i + 1)) if (Math.abs(box.x - b.x) < box.width && Math.abs(box.y - b.y) < box.height * 0.7) all.push(`${text} on ${other}`);
+          if (curves.some((points) => points.some((p) => inside(box, p)))) all.push(`a curve through ${text}`);
+        });
+        return { all, count: letters.length };
+      });
+      assert.deepEqual(found.all, [], `${mosaic}, ${width}`);
+      assert.ok(found.count >= 4, `${mosaic}: ${found.count} letters`);
+    }
+    await page.setViewportSize({ width: 1440, height: 900 });
+  }
+  assert.deepEqual(faults, []);
+  await close();
+});
+
 test("the cells of the largest tile can be hit on a narrow screen, where a finger scrolls and a tap paints", async () => {
   const { page, faults, close } = await open({ viewport: { width: 360, height: 800 }, hasTouch: true, isMobile: true });
   for (const side of ["Rows", "Columns"]) {

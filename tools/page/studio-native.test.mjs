@@ -69,6 +69,7 @@ test("heavy work goes to the native library, can be cancelled, and its files ope
   await page.getByText("File", { exact: true }).click();
   const [report] = await Promise.all([page.waitForEvent("download", { timeout: 240_000 }), page.getByRole("button", { name: "Save report (HTML)" }).click()]);
   assert.equal(report.suggestedFilename(), "mine-report.html");
+  await panel.getByText("The report is done. The file mine-report.html was downloaded.").waitFor();
   const html = await readFile(await report.path(), "utf8");
   assert.match(html, /^<!doctype html>/i);
   assert.ok(html.includes("smalti compare again-1.toml again-2.toml --luminance 10 --scene photo-brushes"), "it states its command");
@@ -82,7 +83,7 @@ test("the native library searches all mosaics, and keeps what is locked", async 
   await page.getByLabel("Filters are").selectOption("dichroic");
   await page.getByLabel("Keep the mosaic").check();
   await page.getByRole("button", { name: "Global search" }).click();
-  await found(/^One mosaic was searched\. (Expected: [+−][\d.]+ dB|None is better)/);
+  await found(/^The mosaic was kept, and its filters were searched\. (Expected: [+−±][\d.]+ dB|None is better)/);
   assert.deepEqual(await cells(page), ["RG", "GB"]);
   if (await page.getByRole("button", { name: "Discard" }).isVisible()) {
     await page.getByRole("button", { name: "Discard" }).click();
@@ -94,7 +95,7 @@ test("the native library searches all mosaics, and keeps what is locked", async 
   await lockFilter(page, "R");
   const filter = filterOf(await toml(page), "R");
   await page.getByRole("button", { name: "Global search" }).click();
-  await found(/^\d+ mosaics were searched\. (Expected: [+−][\d.]+ dB|None is better)/);
+  await found(/^\d+ mosaics with their filters were searched\. (Expected: [+−±][\d.]+ dB|None is better)/);
   const [first, second] = await cells(page);
   assert.equal(`${first[0]}${second[1]}`, "RB");
   assert.equal(filterOf(await toml(page), "R"), filter);

@@ -23,6 +23,11 @@ test("a cell is painted, a filter dragged, both undone; scores say what the chan
   assert.notEqual(await pixels(page), begun, "another picture");
   assert.ok(await page.locator(".delta[data-kind=better], .delta[data-kind=worse]").count() > 2);
   await page.waitForFunction(() => /CPSNR .* dB, .* (better|worse) than pinned/.test(document.getElementById("told").textContent));
+  assert.doesNotMatch(await page.locator("#told").textContent(), / [,;]/);
+  // A design that differs from the pinned one of the same name says so.
+  assert.equal(await page.locator("#pinned").textContent(), "bayer, changed, against the pinned bayer");
+  assert.match(await page.locator("#caption").textContent(), /^bayer, changed · /);
+  assert.equal(await page.locator("#wait").textContent(), "", "nothing is said of the start any more");
   // A filter: another shape, then its centre.
   await page.getByRole("radio", { name: "Filter G" }).click();
   await page.getByLabel("Shape of filter G").selectOption("gaussian");
@@ -155,15 +160,33 @@ test("symmetry paints the images of a cell; filters are added and removed", asyn
   }
   assert.deepEqual(await cells(page), ["RGRG", "GBGB", "RGRG", "GBGB"]);
   await page.getByRole("radio", { name: "Filter B" }).click();
+  assert.match(await page.locator("#grid-help").textContent(), /^A stroke paints one cell\./);
   await page.getByLabel("Symmetry").selectOption("both");
+  assert.match(await page.locator("#grid-help").textContent(), /^Symmetry is on \(both axes\): a stroke paints up to four cells\./);
+  await page.evaluate(() => {
+    window.told = [];
+    const place = document.getElementById("told");
+    new MutationObserver(() => window.told.push(place.textContent)).observe(place, { childList: true });
+  });
   await page.getByRole("gridcell", { name: "Row 1, column 1:" }).click();
   assert.deepEqual(await cells(page), ["BGRB", "GBGB", "RGRG", "BBGB"]);
+  await page.waitForFunction(() => window.told.includes("Row 1, column 1: B, and 2 more cells by symmetry"));
   await page.getByLabel("Symmetry").selectOption("diagonal");
   await page.getByRole("gridcell", { name: "Row 1, column 3:" }).click();
   assert.deepEqual(await cells(page), ["BGBB", "GBGB", "BGRG", "BBGB"]);
   await page.getByLabel("Symmetry").selectOption("none");
   await page.getByRole("button", { name: "Add a filter" }).click();
   assert.equal(await page.locator("#palette [aria-checked=true]").textContent(), "W");
+  // Its curve is drawn before a cell is painted with it, and its handle lies on the curve.
+  await page.waitForFunction(() => document.querySelectorAll("#plot .curve").length === 4);
+  assert.deepEqual((await page.locator("#plot .letter").allTextContents()).sort(), ["B", "G", "R", "W"]);
+  const apart = await page.evaluate(() => {
+    const curve = [...document.querySelectorAll("#plot .curve")].at(-1);
+    const [, x, y] = document.querySelector("#plot .handle").getAttribute("transform").match(/translate\((\S+) (\S+)\)/).map(Number);
+    const points = Array.from({ length: 1001 }, (_, i) => curve.getPointAtLength(curve.getTotalLength() * i / 1000));
+    return Math.min(...points.map((p) => Math.hypot(p.x - x, p.y - y)));
+  });
+  assert.ok(apart < 3, `${apart} px from the handle to the curve`);
   await page.getByRole("gridcell", { name: "Row 1, column 2:" }).click();
   assert.equal((await cells(page))[0], "BWBB");
   await settled(page);
@@ -259,10 +282,21 @@ test("pitch and f-number change the picture; the light is gathered once, and the
   await page.getByLabel("Pixel pitch").fill("1000");
   await page.getByLabel("Pixel pitch").press("Enter");
   await page.locator("#message[data-kind=trouble]").filter({ hasNotText: "expected 0.001" }).waitFor();
-  assert.match(await page.locator("#caption").textContent(), /^Before the last change: /);
+  // All that is of the state before says so: picture, scores and warnings.
+  const opacity = (name) => page.locator(".tile", { has: page.getByText(name, { exact: true }) }).locator("dd").evaluate((e) => Number(getComputedStyle(e).opacity));
+  await page.locator("#caption", { hasText: /^Before the last change: / }).waitFor();
+  assert.match(await page.locator("#pinned").textContent(), /^Before the last change: /);
+  assert.match(await page.locator("#warnings summary").textContent(), /^Before the last change: /);
+  assert.match(await page.locator("#trouble").textContent(), /The picture and what is grey are those before the last change\.$/);
+  for (const name of ["CPSNR", "Noise", "Saturated"]) {
+    assert.ok(await opacity(name) < 0.6, name);
+    assert.match(await page.locator(".tile", { has: page.getByText(name, { exact: true }) }).innerText(), /before the last change/);
+  }
+  assert.equal(await page.locator("#light-curve svg path").count(), 0, "no curves of another design");
   await page.keyboard.press("Control+z");
   await settled(page);
-  assert.doesNotMatch(await page.locator("#caption").textContent(), /Before/);
+  for (const place of ["#caption", "#pinned", "#warnings summary"]) assert.doesNotMatch(await page.locator(place).textContent(), /Before/);
+  assert.equal(await opacity("CPSNR"), 1);
   assert.equal(await page.locator("#message").getAttribute("data-kind"), null);
   for (const id of ["fill-factor", "read-noise", "full-well", "gain", "time"]) assert.ok(await page.locator(`#${id}`).isEditable(), id);
   // The field shows the value of the design again; a preset has a lens and pixels of its own.

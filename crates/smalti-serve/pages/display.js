@@ -4,6 +4,8 @@
 /** The width of a bank card, mm (ISO/IEC 7810, ID-1), and the ratio of its height to its width. */
 const CARD_MM = 85.6;
 const CARD_ASPECT = 53.98 / 85.6;
+/** The largest long side of the outline, CSS pixels, and the least width of a place in which it lies. */
+const [LONGEST, LYING] = [640, 540];
 /** Side of the grey square, CSS pixels. */
 const SQUARE = 80;
 
@@ -67,24 +69,33 @@ function drawLines(/** @type {HTMLCanvasElement} */ canvas, /** @type {number} *
   context.fillRect(Math.round((canvas.width - side) / 2), Math.round((canvas.height - side) / 2), side, side);
 }
 
-/** Sets up the checks, and returns a function that reads them. @returns {() => import("./server.js").Display} */
+/** Sets up the checks, which are shown, and returns a function that reads them. @returns {() => import("./server.js").Display} */
 export function setUpDisplay() {
   const size = element("size", HTMLInputElement);
   const gamma = element("gamma", HTMLInputElement);
   const [sizeSkip, gammaSkip] = [element("size-skip", HTMLInputElement), element("gamma-skip", HTMLInputElement)];
   const card = element("card", SVGSVGElement);
+  const place = element("card-place", HTMLDivElement);
   const lines = element("lines", HTMLCanvasElement);
   const ratio = element("ratio", HTMLParagraphElement);
   const update = () => {
-    const width = Number(size.value);
-    const height = Math.round(width * CARD_ASPECT);
-    // The space for the outline stays as it is, so that nothing on the page moves.
+    // They are not shown any more.
+    if (place.clientWidth === 0) return;
+    // The outline stands upright where a card that lies would not fit.
+    const room = place.clientWidth;
+    const isLying = room >= LYING;
+    const longest = Math.min(LONGEST, Math.floor(isLying ? room : room / CARD_ASPECT));
+    size.max = String(longest);
+    place.style.height = `${Math.ceil(isLying ? longest * CARD_ASPECT : longest)}px`;
+    const long = Number(size.value);
+    const short = Math.round(long * CARD_ASPECT);
+    const [width, height] = isLying ? [long, short] : [short, long];
     card.setAttribute("width", String(width));
     card.setAttribute("height", String(height));
     const rect = card.querySelector("rect");
     rect?.setAttribute("width", String(width - 2));
     rect?.setAttribute("height", String(height - 2));
-    element("size-value", HTMLOutputElement).value = `${width} px`;
+    element("size-value", HTMLOutputElement).value = `${long} px`;
     element("gamma-value", HTMLOutputElement).value = Number(gamma.value).toFixed(2);
     size.disabled = sizeSkip.checked;
     gamma.disabled = gammaSkip.checked;
@@ -95,6 +106,7 @@ export function setUpDisplay() {
   };
   for (const input of [size, gamma, sizeSkip, gammaSkip]) input.addEventListener("input", update);
   addEventListener("resize", update);
+  new ResizeObserver(update).observe(place);
   update();
   fitToDevice(lines, update);
   return () => ({

@@ -7,6 +7,8 @@ import { Refused, Server } from "./server.js";
 
 /** Seconds that a pair takes, for the duration that the page states. */
 const SECONDS_PER_PAIR = 8;
+/** With fewer pairs left there is no break. */
+const LEAST_AFTER_BREAK = 15;
 const SECTIONS = ["resume", "welcome", "display", "pause", "pair", "done"];
 const root = document.documentElement;
 const ofBrowser = () => localStorage;
@@ -15,10 +17,7 @@ function setUpTheme() {
   const wish = matchMedia("(prefers-color-scheme: dark)");
   const button = element("theme", HTMLButtonElement);
   const isDark = () => (root.dataset.theme || (wish.matches ? "dark" : "light")) === "dark";
-  const tell = () => {
-    button.textContent = isDark() ? "Light" : "Dark";
-    button.setAttribute("aria-label", isDark() ? "Switch to light colours" : "Switch to dark colours");
-  };
+  const tell = () => button.setAttribute("aria-pressed", String(isDark()));
   const before = kept(ofBrowser, "smalti-theme");
   if (before === "dark" || before === "light") root.dataset.theme = before;
   button.addEventListener("click", () => {
@@ -133,8 +132,8 @@ async function join(server, about, observers) {
   allow();
   show("welcome");
   await clicked("begin");
-  const display = setUpDisplay();
   show("display");
+  const display = setUpDisplay();
   await clicked("checked");
   const secret = newSecret();
   await observers.take(secret, false);
@@ -159,7 +158,8 @@ function wordsBefore(pair, breakEvery, isFirst) {
     return number === 0 ? ["Training", `The first ${training} pairs show what to expect. They do not count.`] : back;
   }
   if (number === training) return ["The rating begins", `${training > 0 ? "Training is over. " : ""}There are ${pairs - training} pairs.`];
-  if ((number - training) % breakEvery === 0) {
+  // Near the end, a break would only delay it.
+  if ((number - training) % breakEvery === 0 && pairs - number >= Math.min(breakEvery, LEAST_AFTER_BREAK)) {
     return ["Take a break", `You have judged ${number - training} of ${pairs - training} pairs. Look into the distance for a moment, and continue when you are ready.`];
   }
   return isFirst ? back : null;

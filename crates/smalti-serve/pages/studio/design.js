@@ -87,6 +87,11 @@ export function withFilter(camera, letter, filter) {
   return withCfa(camera, { filters: { ...camera.sensor.cfa.filters, [letter]: filter } });
 }
 
+/** A camera whose tile has every filter, for their curves: also of those without a cell in the mosaic. @param {Camera} camera @returns {Camera} */
+export function withAllFilters(camera) {
+  return withCfa(camera, { pattern: [[...new Set([...camera.sensor.cfa.pattern.join(""), ...letters(camera)])].join("")] });
+}
+
 /** A camera with one more filter, and its letter; `undefined` without a letter left. @param {Camera} camera @param {Filter} filter @returns {[Camera, string] | undefined} */
 export function addFilter(camera, filter) {
   const used = letters(camera);

@@ -1,5 +1,6 @@
 // @ts-check
-// Designs in the results of searches and studies.
+// Designs in the results of searches and studies. Their names are shown, so characters that would steer the text around them are replaced.
+import { inOneLine } from "./dom.js";
 
 /** @typedef {import("./engine.js").Design} Design */
 
@@ -17,8 +18,9 @@ function ofSearch(results, camera) {
   const letter = (/** @type {number} */ channel) => String.fromCharCode("A".charCodeAt(0) + channel);
   const filters = Object.fromEntries(best.transmittances.map((/** @type {number[]} */ values, /** @type {number} */ i) => [letter(i), filter(values)]));
   const cfa = { pattern: best.tile.toUpperCase().split("/"), filters };
-  const design = { ...camera, name: String(results.name), sensor: { ...camera.sensor, cfa } };
-  return { design, note: `${results.name} is open with the sensor and the lens of this page. camera.toml in the same folder has its own.`, family: Object.keys(results.family ?? {})[0] };
+  const name = inOneLine(String(results.name));
+  const design = { ...camera, name, sensor: { ...camera.sensor, cfa } };
+  return { design, note: `${name} is open with the sensor and the lens of this page. camera.toml in the same folder has its own.`, family: Object.keys(results.family ?? {})[0] };
 }
 
 /**
@@ -30,7 +32,7 @@ function ofStudy(report) {
   const [section] = Array.isArray(study?.sections) ? study.sections : [];
   const best = section?.colors?.find?.((/** @type {any} */ group) => group?.best?.length > 0)?.best[0];
   if (!best?.cfa || !section.description) return undefined;
-  const name = `${study.name}, trial ${best.trial}`;
+  const name = inOneLine(`${study.name}, trial ${best.trial}`);
   const design = { ...section.description, name, sensor: { ...section.description.sensor, cfa: best.cfa } };
   return { design, note: `${name} is open, the best of the fewest colours under the first condition.` };
 }

@@ -53,7 +53,33 @@ export function announce(text) {
   timer = window.setTimeout(() => { byId("told", HTMLElement).textContent = text; }, 250);
 }
 
-/** Shows a message until it is dismissed or another one takes its place. Trouble interrupts a screen reader, a note does not. @param {string} text @param {"trouble" | "note"} [kind] */
+/** Characters that steer the text around them instead of standing for themselves, as the library knows them (`smalti::names::steers`). */
+const STEERING = /[\p{Cc}\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069\ufeff\ufffe\uffff]/gu;
+/** A text of a file in one line, without characters that steer the text around it. @param {string} text */
+export const inOneLine = (text) => text.replace(/[\n\r\t]/g, " ").replace(STEERING, "\ufffd");
+
+/** What ends the view of a note: the next action, wherever it is. */
+const ACTIONS = ["pointerdown", "keydown", "input", "change", "wheel", "drop"];
+/** Keys that are no action of their own. */
+const QUIET_KEYS = ["Tab", "Shift", "Control", "Alt", "Meta"];
+
+/** Puts a note out of view at the next action. Its text stays for screen readers. */
+export function setUpMessages() {
+  const place = byId("message", HTMLElement);
+  for (const action of ACTIONS) {
+    document.addEventListener(action, (event) => {
+      if (place.dataset.kind !== "note" || (event.target instanceof Node && place.contains(event.target))) return;
+      if (event instanceof KeyboardEvent && QUIET_KEYS.includes(event.key)) return;
+      delete place.dataset.kind;
+    }, { capture: true, passive: true });
+  }
+  byId("dismiss", HTMLButtonElement).addEventListener("click", () => tell(""));
+}
+
+/**
+ * Shows a message: a note until the next action, trouble until it is dismissed or another message takes its place. Trouble interrupts a screen reader, a note does not.
+ * @param {string} text @param {"trouble" | "note"} [kind]
+ */
 export function tell(text, kind = "note") {
   const place = byId("message", HTMLElement);
   for (const of of ["note", "trouble"]) byId(of, HTMLElement).textContent = of === kind ? text : "";
@@ -65,6 +91,9 @@ export function tell(text, kind = "note") {
 export function untell(text) {
   if (["note", "trouble"].some((kind) => byId(kind, HTMLElement).textContent === text)) tell("");
 }
+
+/** How large text is, relative to that of a window of usual width: room for it in drawings grows with it. */
+export const textScale = () => Math.max(parseFloat(getComputedStyle(document.documentElement).fontSize) / 14, 1);
 
 /** Runs at the next frame of the page, once for several calls. @param {() => void} work @returns {() => void} */
 export function atFrame(work) {

@@ -1,8 +1,9 @@
 // @ts-check
 // The filters: their curves with handles, and the numbers of the one that is selected.
-import { announce, byId, draw, make, tell } from "./dom.js";
+import { announce, byId, draw, make, tell, textScale } from "./dom.js";
 import { letters, withFilter } from "./design.js";
 import { filterOfCsv } from "./files.js";
+import { placeLabels } from "./labels.js";
 import { FIRST_NM, LAST_NM, SHAPES, drawnOver, handlesOf, likeShape, shapeOf } from "./shapes.js";
 
 /** @typedef {import("./store.js").Store} Store */
@@ -12,6 +13,8 @@ import { FIRST_NM, LAST_NM, SHAPES, drawnOver, handlesOf, likeShape, shapeOf } f
 /** The colours of the axis of wavelengths, a hint and no measurement. */
 const SPECTRUM = [[380, "#45307a"], [420, "#4036a8"], [460, "#2a62c9"], [490, "#1f9fb5"], [520, "#3fae4a"], [560, "#a8b93a"], [585, "#e0b22e"], [610, "#e5792b"], [650, "#d03a2b"], [780, "#5a1414"]];
 const DRAWN_STEP_NM = 5;
+/** Half of the side of a handle. */
+const HANDLE = 8;
 
 /** The value of a curve at a wavelength, on a line between its samples. @param {number[]} xs @param {number[]} ys @param {number} x */
 function valueAt(xs, ys, x) {
@@ -35,7 +38,9 @@ export function setUpFilters(store, catalogue, curves) {
   let isDrawing = false;
   let cursorNm = 550;
   let [width, height] = [440, 230];
-  const margin = { left: 34, right: 10, top: 10, bottom: 30 };
+  /** The size of text, relative to the usual one. */
+  let scale = 1;
+  let margin = { left: 34, right: 10, top: 10, bottom: 30 };
   const x = (/** @type {number} */ nm) => margin.left + (nm - FIRST_NM) / (LAST_NM - FIRST_NM) * (width - margin.left - margin.right);
   const y = (/** @type {number} */ value) => height - margin.bottom - value * (height - margin.top - margin.bottom);
   const svg = draw("svg", { role: "group", "aria-label": "Curves of the filters over wavelength, 380 to 780 nm" });
@@ -75,6 +80,11 @@ export function setUpFilters(store, catalogue, curves) {
     const xs = all.wavelengths_nm;
     const area = `${path(xs, all.light.map((v) => v * 0.96))}L${x(xs[xs.length - 1])} ${y(0)}L${x(xs[0])} ${y(0)}Z`;
     const order = [...all.channels].sort((a, b) => Number(a.letter === store.selected) - Number(b.letter === store.selected));
+    const pointsOf = (/** @type {number[]} */ ys) => xs.map((nm, i) => /** @type {[number, number]} */ ([x(nm), y(Math.max(ys[i], 0))]));
+    const dragged = handles().map(({ nm, value }) => ({ left: x(nm) - HANDLE, right: x(nm) + HANDLE, top: y(value) - HANDLE, bottom: y(value) + HANDLE }));
+    const others = [all.lens_transmittance, ...(kind === "quantum_efficiency" ? [all.sensor_quantum_efficiency] : [])].map(pointsOf);
+    const placed = placeLabels([...order].reverse().map((c) => ({ letter: c.letter, points: pointsOf(c[kind]) })), others, dragged,
+      { left: margin.left, right: width - 2, top: 0, bottom: y(0) }, scale);
     lines.replaceChildren(
       draw("path", { class: "lamp", d: area }),
       draw("path", { class: "lens", d: path(xs, all.lens_transmittance) }),
@@ -84,19 +94,19 @@ export function setUpFilters(store, catalogue, curves) {
         const isSelected = c.letter === store.selected;
         return [draw("path", { class: "casing", d, "stroke-width": isSelected ? 5.5 : 3.6 }), draw("path", { class: "curve", d, stroke: c.color, "stroke-width": isSelected ? 3.4 : 1.8 })];
       }),
-      ...all.channels.map((c) => {
-        const top = c[kind].indexOf(Math.max(...c[kind]));
-        return draw("text", { class: `letter${c.letter === store.selected ? " selected" : ""}`, x: Math.min(Math.max(x(xs[top]), margin.left + 8), width - 16), y: Math.max(y(c[kind][top]) - 7, 10), "text-anchor": "middle" }, c.letter);
-      }),
+      ...[...placed].map(([letter, [px, py]]) =>
+        draw("text", { class: `letter${letter === store.selected ? " selected" : ""}`, x: px.toFixed(1), y: py.toFixed(1), "text-anchor": "middle", "dominant-baseline": "central" }, letter)),
     );
   }
 
+  /** The points of the selected filter that are dragged. */
+  const handles = () => (kind === "transmittance" ? handlesOf(filter(), at, cursorNm) : []);
   /** @type {number | undefined} */
   let held;
   function showHandles() {
-    const handles = kind === "transmittance" ? handlesOf(filter(), at, cursorNm) : [];
-    while (front.children.length > handles.length) front.lastElementChild?.remove();
-    handles.forEach((handle, i) => {
+    const all = handles();
+    while (front.children.length > all.length) front.lastElementChild?.remove();
+    all.forEach((handle, i) => {
       let mark = front.children[i];
       if (!mark) {
         mark = draw("g", { class: "handle", role: "slider", tabindex: 0 }, draw("circle", { class: "reach", r: 14 }), draw("circle", { class: "dot", r: 6.5 }));
@@ -302,6 +312,8 @@ export function setUpFilters(store, catalogue, curves) {
   }
   new ResizeObserver(() => {
     [width, height] = [Math.max(place.clientWidth, 200), Math.max(place.clientHeight, 120)];
+    scale = textScale();
+    margin = { ...margin, left: 34 * scale, bottom: 30 * scale };
     svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
     showBack();
     show();

@@ -3,6 +3,7 @@
 // all mosaics of the tile from many starts.
 import { announce, byId, make } from "./dom.js";
 import { withValue } from "./design.js";
+import { signed } from "./scores.js";
 
 /** @typedef {import("./store.js").Store} Store */
 /** @typedef {import("./engine.js").Engine} Engine */
@@ -51,8 +52,7 @@ export function setUpImprove(store, engine, { luminance, simulated, own, fail, n
     const all = after.map((e, i) => {
       const by = e.cpsnr_db - before[i].cpsnr_db;
       const color = e.delta_e_2000 - before[i].delta_e_2000;
-      const signed = (/** @type {number} */ v) => `${v < 0 ? "−" : "+"}${Math.abs(v).toFixed(2)}`;
-      return `${after.length > 1 ? `${Number(e.luminance_cd_m2.toPrecision(3))} cd/m²: ` : ""}${signed(by)} dB, ${signed(color)} ΔE2000`;
+      return `${after.length > 1 ? `${Number(e.luminance_cd_m2.toPrecision(3))} cd/m²: ` : ""}${signed(by, 2)} dB, ${signed(color, 2)} ΔE2000`;
     });
     return `Expected: ${all.join("; ")}`;
   }
@@ -118,7 +118,7 @@ export function setUpImprove(store, engine, { luminance, simulated, own, fail, n
     } });
     if (!found) return;
     const { said } = found;
-    const among = said.mosaics === 1 ? "One mosaic was searched" : `${said.mosaics} mosaics were searched`;
+    const among = said.mosaics === 1 ? "The mosaic was kept, and its filters were searched" : `${said.mosaics} mosaics with their filters were searched`;
     if (!said.is_better) {
       state.textContent = `${among}. None is better than this design.`;
       announce(state.textContent);

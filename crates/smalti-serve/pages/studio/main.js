@@ -1,6 +1,6 @@
 // @ts-check
 // The studio: starts the engine, opens a design, and joins the parts of the page.
-import { announce, atFrame, byId, make, tell, untell } from "./dom.js";
+import { announce, atFrame, byId, make, setUpMessages, tell, untell } from "./dom.js";
 import { withValue } from "./design.js";
 import { Engine } from "./engine.js";
 import { camerasOfResults, curvesCsv, fileName, save } from "./files.js";
@@ -8,11 +8,12 @@ import { fetched } from "./fetched.js";
 import { setUpFilters } from "./filters.js";
 import { familyOf, setUpImprove } from "./improve.js";
 import { setUpMosaic } from "./mosaic.js";
+import { excerpt, kindOf, shortened } from "./kinds.js";
 import { offered, setUpNative } from "./native.js";
-import { isPhotograph, readPhotograph } from "./photographs.js";
+import { readPhotograph } from "./photographs.js";
 import { setUpOwnFiles } from "./own-files.js";
 import { setUpPicture } from "./picture.js";
-import { setUpScores } from "./scores.js";
+import { BEFORE, setUpScores } from "./scores.js";
 import { lensText, setUpSensor, simulated } from "./sensor.js";
 import { PHOTOGRAPH, fragmentOf, sharedIn } from "./share.js";
 import { Store } from "./store.js";
@@ -53,7 +54,7 @@ async function inAddress(engine) {
 }
 
 /** @param {unknown} error */
-const tellAddress = (error) => tell(`The design in the address cannot be opened: ${message(error)}.`, "trouble");
+const tellAddress = (error) => tell(`The design in the address cannot be opened: ${excerpt(message(error))}.`, "trouble");
 
 /** The design with which the page opens: that of the address, else that of the server. @param {Engine} engine @returns {Promise<import("./share.js").Shared>} */
 async function opened(engine) {
@@ -70,6 +71,7 @@ async function opened(engine) {
 
 async function start() {
   setUpTheme();
+  setUpMessages();
   const wait = byId("wait", HTMLElement);
   wait.textContent = "Starting the simulator…";
   const engine = await Engine.start("engine/", () => tell("The simulator of this page failed, for example for lack of memory, and was started again.", "trouble"));
@@ -113,6 +115,8 @@ async function start() {
   const colors = {};
   /** Whether a result is to be told: after changes, not at the start. */
   let isChanged = false;
+  /** Whether it is to be told what of the cameras is not simulated, which has changed. */
+  let isLimited = false;
   /** Whether a change waits for the next frame. */
   let isWaiting = false;
 
@@ -128,6 +132,21 @@ async function start() {
   const isPinned = () => store.pinned !== undefined && JSON.stringify(store.pinned) === JSON.stringify(store.camera);
   const showScores = () => scores.show(own, store.pinned && !isPinned() ? pin : undefined);
   let [drawnWhat, drawnMs] = ["", 0];
+  /** The cameras of the curves and of the figures of the array, as text. */
+  let [curvesOf, figuresOf] = ["", ""];
+  const plot = byId("plot", HTMLElement);
+  /** The name of a design that differs from the pinned one of the same name says so. @param {Camera} camera */
+  const nameOf = ({ name }) => (store.pinned?.name === name && !isPinned() ? `${name}, changed` : name);
+  /** Marks what a loop computes as of the state before the last change, or no longer. @param {import("./work.js").Loop} loop @param {boolean} is */
+  const mark = (loop, is) => {
+    scores.mark(loop, is);
+    showPinned();
+  };
+  const showPinned = () => {
+    const { camera, pinned } = store;
+    const text = isPinned() ? "Change something to see what it does." : `${nameOf(camera) === camera.name ? "Against" : `${nameOf(camera)}, against`} the pinned ${pinned?.name}`;
+    byId("pinned", HTMLElement).textContent = scores.isEarlier("pictures") || scores.isEarlier("figures") ? `${BEFORE}what is grey` : text;
+  };
   /** The messages about designs that could not be computed, by loop. @type {Map<string, string>} */
   const failures = new Map();
   const inEngine = (/** @type {Camera} */ camera) => simulated(engine, camera).camera;
@@ -135,14 +154,16 @@ async function start() {
   const compute = setUpWork(engine, wanted, () => ({ pin: picture.needsPin(), map: picture.needsMap() }), {
     picture(drawn, { camera, scene: drawnScene, luminance: drawnLuminance }) {
       wait.hidden = true;
+      wait.textContent = "";
       // Scores take longer than the picture, and a picture that is there is not drawn again.
       const what = JSON.stringify([camera, drawnScene, drawnLuminance]);
       const isSame = what === drawnWhat;
       if (!isSame) [drawnWhat, drawnMs] = [what, drawn.timings_ms.total - drawn.timings_ms.score];
-      picture.showOwn(drawn, `${camera.name} · exposed for ${Number(drawn.exposure_ms.toPrecision(3))} ms · drawn in ${Math.round(drawnMs)} ms`, isSame);
+      picture.showOwn(drawn, `${nameOf(camera)} · exposed for ${Number(drawn.exposure_ms.toPrecision(3))} ms · drawn in ${Math.round(drawnMs)} ms`, isSame);
       byId("display-gain", HTMLElement).textContent = String(drawn.gain);
       if (!drawn.scores) return;
       own.picture = drawn;
+      mark("pictures", false);
       scores.warn([...drawn.warnings, ...own.figures?.warnings ?? []]);
       showScores();
     },
@@ -151,14 +172,17 @@ async function start() {
       picture.showPin(drawn, pinned?.name ?? "");
       showScores();
     },
-    curves(known) {
+    curves(known, { camera }) {
       curves = known;
+      curvesOf = JSON.stringify(camera);
+      plot.toggleAttribute("data-earlier", false);
       for (const { letter, color } of known.channels) colors[letter] = color;
       mosaic();
       filters.show();
     },
-    figures(known, before) {
-      [own.figures, pin.figures] = [known, before];
+    figures(known, before, { camera }) {
+      [own.figures, pin.figures, figuresOf] = [known, before, JSON.stringify(camera)];
+      mark("figures", false);
       scores.warn([...own.picture?.warnings ?? [], ...known.warnings]);
       showScores();
     },
@@ -174,8 +198,8 @@ async function start() {
       if (isWaiting) return;
       const said = showScores();
       document.documentElement.dataset.settled = String(store.at);
-      if (isChanged) announce(`${said}. ${scores.warned()}`);
-      isChanged = false;
+      if (isChanged) announce(`${said}. ${scores.warned()}${isLimited ? ` ${limitsText()}` : ""}`);
+      isChanged = isLimited = false;
     },
     worked(loop) {
       const text = failures.get(loop);
@@ -186,13 +210,24 @@ async function start() {
       if (others.length > 0) tell(others[0], "trouble");
     },
     failed(loop, error) {
+      const now = wanted();
+      const camera = JSON.stringify(now.camera);
+      // At the start there is nothing earlier.
+      let isBefore = loop === "pictures" && own.picture !== undefined;
       if (loop === "pictures") {
         gathering.hidden = true;
-        picture.markEarlier();
-      } else scores.waits("");
-      const text = `${message(error)}.`;
+        if (drawnWhat !== JSON.stringify([now.camera, now.scene, now.luminance])) picture.markEarlier();
+      } else {
+        scores.showOverLight([], [], now.luminance);
+        scores.waits("Not known for this design");
+        plot.toggleAttribute("data-earlier", curvesOf !== "" && curvesOf !== camera);
+        isBefore = figuresOf !== "" && figuresOf !== camera;
+      }
+      if (isBefore) mark(loop, true);
+      const text = `${message(error)}.${isBefore ? " The picture and what is grey are those before the last change." : ""}`;
       failures.set(loop, text);
-      tell(text, "trouble");
+      // Of two failures, that of the picture is said.
+      if (loop === "pictures" || !failures.has("pictures")) tell(text, "trouble");
     },
   });
   const soon = atFrame(() => {
@@ -227,13 +262,18 @@ async function start() {
     announce(`${store.camera.name} is pinned. Scores show what changes from here do.`);
   });
 
-  const menu = byId("menu", HTMLDetailsElement);
-  document.addEventListener("click", (event) => { if (!(event.target instanceof Node && menu.contains(event.target)) || event.target instanceof HTMLButtonElement) menu.open = false; });
-  menu.addEventListener("keydown", (event) => {
-    if (event.key !== "Escape") return;
-    menu.open = false;
-    menu.querySelector("summary")?.focus();
+  // What opens over the page closes with Escape, and menus also with a click elsewhere or on one of their buttons.
+  const menus = /** @type {NodeListOf<HTMLDetailsElement>} */ (document.querySelectorAll("details"));
+  document.addEventListener("click", ({ target }) => {
+    for (const menu of menus) if (menu.matches(".menu") && !(target instanceof Node && menu.contains(target) && !(target instanceof HTMLButtonElement))) menu.open = false;
   });
+  for (const menu of menus) {
+    menu.addEventListener("keydown", (event) => {
+      if (event.key !== "Escape") return;
+      menu.open = false;
+      menu.querySelector("summary")?.focus();
+    });
+  }
 
   byId("share", HTMLButtonElement).addEventListener("click", async () => {
     const pinned = isPinned() ? undefined : store.pinned;
@@ -274,26 +314,27 @@ async function start() {
       store.pin(camera);
       tell(`${camera.name} is open, and later changes are compared with it.`);
     } catch (error) {
-      tell(`${message(error)}.`, "trouble");
+      tell(`${excerpt(message(error))}.`, "trouble");
     }
   }
   /** @param {File} file */
   async function open(file) {
-    if (isPhotograph(file)) return addPhotograph(file);
-    if (/\.json$/i.test(file.name)) return openResults(file);
-    if (file.size > 4_000_000) return tell(`${file.name} is larger than a camera file or a table of a filter.`, "trouble");
+    const kind = await kindOf(file);
+    if (kind === "photograph") return addPhotograph(file);
+    if (kind === "results") return openResults(file);
+    if (typeof kind === "object") return tell(`${shortened(file.name)} ${kind.refused}`, "trouble");
     const text = await file.text();
-    if (/\.(csv|txt)$/i.test(file.name)) return filters.take(file.name, text);
+    if (kind === "curve") return filters.take(shortened(file.name), text);
     try {
       adopt(await engine.parse(text), `opening ${file.name}`);
     } catch (error) {
-      tell(`${file.name}: ${message(error)}`, "trouble");
+      tell(`${shortened(file.name)} is no camera file: ${excerpt(message(error))}`, "trouble");
     }
   }
   /** @param {File} file */
   async function addPhotograph(file) {
     try {
-      const name = file.name.replace(/\.[^.]*$/, "") || "Photograph";
+      const name = shortened(file.name.replace(/\.[^.]*$/, "")) || "Photograph";
       const pixels = await readPhotograph(file);
       const { id } = await engine.addPhotograph(name, pixels);
       const group = scene.querySelector('optgroup[label="Your photographs"]') ?? make("optgroup", { label: "Your photographs" });
@@ -301,9 +342,9 @@ async function start() {
       scene.append(group);
       scene.value = id;
       work.again();
-      tell(`${name} is a scene of ${pixels.width} × ${pixels.height} pixels now, in daylight. Its spectra are estimated from its colours: smooth reflectances (Jakob and Hanika 2019). It stays in this browser.`);
+      tell(`The photograph “${name}” is now a scene of ${pixels.width} × ${pixels.height} pixels in daylight. Its spectra are estimated from its colours (Jakob and Hanika 2019). It stays in this browser.`);
     } catch (error) {
-      tell(`${file.name}: ${message(error)}.`, "trouble");
+      tell(`${shortened(file.name)}: ${message(error)}.`, "trouble");
     }
   }
   /** Opens the cameras of a comparison: the first one, with the second one pinned. @param {File} file */
@@ -315,7 +356,7 @@ async function start() {
       if (note) tell(note);
       if (other) store.pin(inFull(engine, await engine.parse(await engine.cameraToml(other))));
     } catch (error) {
-      tell(`${file.name}: ${message(error)}.`, "trouble");
+      tell(`${shortened(file.name)}: ${excerpt(message(error))}.`, "trouble");
     }
   }
   const chooser = byId("file", HTMLInputElement);
@@ -332,9 +373,16 @@ async function start() {
     if (file) open(file);
     chooser.value = "";
   });
-  document.addEventListener("dragover", (event) => event.preventDefault());
+  // While a file is over the page, the page shows that it takes it.
+  const showDrop = (/** @type {boolean} */ is) => document.documentElement.toggleAttribute("data-drop", is);
+  document.addEventListener("dragover", (event) => {
+    event.preventDefault();
+    showDrop(event.dataTransfer?.types.includes("Files") ?? false);
+  });
+  document.addEventListener("dragleave", (event) => { if (event.relatedTarget === null) showDrop(false); });
   document.addEventListener("drop", (event) => {
     event.preventDefault();
+    showDrop(false);
     const [file] = event.dataTransfer?.files ?? [];
     if (file) open(file);
   });
@@ -354,8 +402,7 @@ async function start() {
     if ([...family.options].some((option) => option.value === name)) family.value = String(name);
   }
   if (!location.hash) judgeBy((await offered())?.family);
-  const limits = byId("limits", HTMLElement);
-  let dismissed = "";
+  const limits = byId("limits", HTMLDetailsElement);
   const limitsText = () => {
     const { camera } = store;
     const pinned = isPinned() ? undefined : store.pinned;
@@ -366,22 +413,19 @@ async function start() {
   };
   const showLimits = () => {
     const text = limitsText();
-    const place = /** @type {HTMLElement} */ (limits.firstElementChild);
-    if (place.textContent !== text) place.textContent = text;
-    limits.hidden = text === "" || text === dismissed;
+    const place = /** @type {HTMLElement} */ (limits.lastElementChild);
+    if (place.textContent === text) return;
+    place.textContent = text;
+    limits.hidden = text === "";
+    if (text !== "") isLimited = true;
+    else limits.open = false;
   };
-  byId("limits-dismiss", HTMLButtonElement).addEventListener("click", () => {
-    dismissed = limitsText();
-    showLimits();
-    name.focus();
-  });
-  byId("dismiss", HTMLButtonElement).addEventListener("click", () => tell(""));
   const show = () => {
     if (document.activeElement !== name) name.value = store.camera.name;
     undo.setAttribute("aria-disabled", String(!store.canUndo));
     redo.setAttribute("aria-disabled", String(!store.canRedo));
     showLimits();
-    byId("pinned", HTMLElement).textContent = isPinned() ? "Change something to see what it does." : `Against the pinned ${store.pinned?.name}`;
+    showPinned();
   };
   store.on(["design", "pin"], () => {
     isChanged = true;

@@ -40,7 +40,21 @@ export function setUpMosaic(store, catalogue, colors) {
   function paintAt(row, col, letter, key) {
     const cells = mirrored(row, col).filter(([r, c]) => letterAt(store.camera, r, c) !== letter);
     if (cells.length > 0) store.change(paint(store.camera, cells, letter), "painting", key);
+    const others = cells.filter(([r, c]) => r !== row || c !== col).length;
+    announce(`Row ${row + 1}, column ${col + 1}: ${letter}${others > 0 ? `, and ${others} more ${others === 1 ? "cell" : "cells"} by symmetry` : ""}`);
   }
+
+  // Symmetry stays on, so it is said beside the tile what a stroke does.
+  const strokeNote = byId("stroke-note", HTMLElement);
+  const showStroke = () => {
+    const { text } = symmetry.selectedOptions[0];
+    strokeNote.textContent = symmetry.value === "none" ? "A stroke paints one cell." : `Symmetry is on (${text.toLowerCase()}): a stroke paints ${symmetry.value === "both" ? "up to four cells" : "up to two cells"}.`;
+  };
+  symmetry.addEventListener("change", () => {
+    showStroke();
+    announce(strokeNote.textContent ?? "");
+  });
+  showStroke();
 
   /** @param {number} row @param {number} col */
   function lockAt(row, col) {
@@ -82,7 +96,6 @@ export function setUpMosaic(store, catalogue, colors) {
       if (letter === undefined) return;
       store.select(letter);
       paintAt(atRow, atCol, letter, `stroke ${++stroke}`);
-      announce(`Row ${atRow + 1}, column ${atCol + 1}: ${letter}`);
     }
     event.preventDefault();
   });

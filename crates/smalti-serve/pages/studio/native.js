@@ -153,8 +153,11 @@ export async function setUpNative(shown) {
   panel.hidden = false;
   for (const item of items) item.hidden = false;
 
-  /** Does a job, and tells how far it is. @param {string} title @param {Record<string, any>} job @returns {Promise<Result | undefined>} */
-  async function work(title, job) {
+  /**
+   * Does a job, and tells how far it is. `keep` saves what came of it, and returns the name of the file.
+   * @param {string} title @param {Record<string, any>} job @param {(result: Result) => string} [keep] @returns {Promise<Result | undefined>}
+   */
+  async function work(title, job, keep) {
     if (!native || stop) return undefined;
     if (!native.isOpen) {
       lost();
@@ -180,7 +183,7 @@ export async function setUpNative(shown) {
         state.textContent = `${title}: ${[step, of > 0 && `${done} of ${of}`].filter(Boolean).join(", ") || "…"}`;
       }, signal);
       const notes = result.said.notes.map((/** @type {string} */ note) => ` ${note}.`).join("");
-      state.textContent = `${title} is done.${notes}`;
+      state.textContent = `${title} is done.${keep ? ` The file ${keep(result)} was downloaded.` : ""}${notes}`;
     } catch (error) {
       if (isCancelled(error)) state.textContent = `${title} was cancelled.`;
       else if (native.isOpen) {
@@ -251,17 +254,21 @@ export async function setUpNative(shown) {
     picture.scrollIntoView({ block: "nearest" });
   }
 
+  /** Saves a file, and returns its name. @param {string} name @param {Blob} content */
+  function kept(name, content) {
+    save(name, content);
+    return name;
+  }
+
   /** @type {Record<string, () => Promise<void>>} */
   const saves = {
     async table() {
       const { camera } = shown();
-      const result = await work("Learning the table", { table: { design: camera, quality: quality.value } });
-      if (result) save(fileName(camera.name, "l3"), result.files.table);
+      await work("Learning the table", { table: { design: camera, quality: quality.value } }, ({ files }) => kept(fileName(camera.name, "l3"), files.table));
     },
     async raw() {
       const wanted = capture(null);
-      const result = wanted && await work("The raw capture", wanted.job);
-      if (wanted && result) save(wanted.name("dng"), result.files.raw);
+      if (wanted) await work("The raw capture", wanted.job, ({ files }) => kept(wanted.name("dng"), files.raw));
     },
     async report() {
       const { camera, pinned, luminance, scene, isOwn } = shown();
@@ -272,9 +279,8 @@ export async function setUpNative(shown) {
         design: camera, rival, scene: extent.value === "all" ? null : scene, luminances_cd_m2: extent.value === "range" ? [1, 10, 100] : [luminance],
         quality: quality.value,
       };
-      const result = await work("The report", { report });
+      const result = await work("The report", { report }, ({ files }) => kept(fileName(`${camera.name} report`, "html"), files.page));
       if (!result) return;
-      save(fileName(`${camera.name} report`, "html"), result.files.page);
       verdict.textContent = result.said.verdict.replaceAll(/ {2,}/g, " ");
       verdict.hidden = result.said.verdict === "";
     },

@@ -10,9 +10,6 @@ const [SCENE_PIXELS, SCENE_SIDE] = [400_000, 1024];
 /** The fewest pixels along a side of a scene. */
 const LEAST_SIDE = 32;
 
-/** Whether a file may be a photograph, by its name and type. @param {File} file */
-export const isPhotograph = (file) => /\.(png|jpe?g)$/i.test(file.name) || /^image\//.test(file.type);
-
 /**
  * The size that the header of a PNG or JPEG file states; `undefined` when it is neither.
  * @param {DataView} view @returns {[width: number, height: number] | undefined}

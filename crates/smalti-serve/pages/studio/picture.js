@@ -1,6 +1,7 @@
 // @ts-check
 // The picture: alone, against another one, or as a map of differences; zoomed and moved.
 import { announce, atFrame, byId } from "./dom.js";
+import { BEFORE } from "./scores.js";
 
 /** @typedef {import("./engine.js").Picture} Picture */
 /** @typedef {"one" | "split" | "other" | "map"} View */
@@ -120,6 +121,8 @@ export function setUpPicture(onView) {
   /** @param {View} to */
   function setView(to) {
     view = to;
+    // The map is that of the differences from the reference.
+    if (view === "map") other.value = "reference";
     for (const button of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-view]"))) button.setAttribute("aria-pressed", String(button.dataset.view === view));
     show();
     onView();
@@ -232,8 +235,7 @@ export function setUpPicture(onView) {
     },
     /** Says that the picture is not of the latest change, which could not be computed. */
     markEarlier() {
-      const note = "Before the last change: ";
-      if (layers.own && !names.own.startsWith(note)) names = { ...names, own: note + names.own };
+      if (layers.own && !names.own.startsWith(BEFORE)) names = { ...names, own: BEFORE + names.own };
       show();
     },
     /** The picture of the design as PNG. @returns {Promise<Blob | null>} */

@@ -1,6 +1,6 @@
 // @ts-check
 // The scores: each with what the change from the pinned design did, also as a bar, and expected figures over light.
-import { byId, draw, make } from "./dom.js";
+import { byId, draw, make, textScale } from "./dom.js";
 import { SEED } from "./engine.js";
 
 /** @typedef {import("./engine.js").Picture} Picture */
@@ -8,30 +8,32 @@ import { SEED } from "./engine.js";
 /** What is known of a design. @typedef {{ picture?: Picture, figures?: Scores }} Known */
 
 /**
- * A score: where it is, how it is written, which direction is better, and its name in the catalogue of metrics.
- * @typedef {{ label: string, metric: string, unit: string, title: string, better: 1 | -1, digits: number, get: (known: Known) => number | null | undefined }} Score
+ * A score: where it is, how it is written, which direction is better, its name in the catalogue of metrics, and whether it is one of the picture or of the figures of the array.
+ * @typedef {{ label: string, metric: string, unit: string, title: string, better: 1 | -1, digits: number, of: import("./work.js").Loop, get: (known: Known) => number | null | undefined }} Score
  */
 /** @type {Score[]} */
 const SCORES = [
-  { label: "CPSNR", metric: "cpsnr_db", unit: "dB", title: "Peak signal-to-noise ratio of the picture against the reference", better: 1, digits: 2, get: (k) => k.picture?.scores?.cpsnr_db },
-  { label: "ΔE2000", metric: "pixel_delta_e_2000_mean", unit: "", title: "Mean CIEDE2000 over the pixels of the picture", better: -1, digits: 2, get: (k) => k.picture?.scores?.pixel_delta_e_2000_mean },
-  { label: "ΔE2000, 95 %", metric: "pixel_delta_e_2000_p95", unit: "", title: "CIEDE2000 that 95 % of the pixels do not exceed", better: -1, digits: 2, get: (k) => k.picture?.scores?.pixel_delta_e_2000_p95 },
-  { label: "S-CIELAB", metric: "scielab_mean", unit: "", title: "Mean colour difference after filtering by the spatial response of the eye", better: -1, digits: 2, get: (k) => k.picture?.scores?.scielab_mean },
+  { label: "CPSNR", metric: "cpsnr_db", unit: "dB", title: "Peak signal-to-noise ratio of the picture against the reference", better: 1, digits: 2, of: "pictures", get: (k) => k.picture?.scores?.cpsnr_db },
+  { label: "ΔE2000", metric: "pixel_delta_e_2000_mean", unit: "", title: "Mean CIEDE2000 over the pixels of the picture", better: -1, digits: 2, of: "pictures", get: (k) => k.picture?.scores?.pixel_delta_e_2000_mean },
+  { label: "ΔE2000, 95 %", metric: "pixel_delta_e_2000_p95", unit: "", title: "CIEDE2000 that 95 % of the pixels do not exceed", better: -1, digits: 2, of: "pictures", get: (k) => k.picture?.scores?.pixel_delta_e_2000_p95 },
+  { label: "S-CIELAB", metric: "scielab_mean", unit: "", title: "Mean colour difference after filtering by the spatial response of the eye", better: -1, digits: 2, of: "pictures", get: (k) => k.picture?.scores?.scielab_mean },
   {
-    label: "MTF50 4:1", metric: "mtf50_low_contrast_cy_per_px", unit: "cy/px", title: "Spatial frequency at which the response of an edge of contrast 4:1 falls to one half, without noise", better: 1, digits: 3,
+    label: "MTF50 4:1", metric: "mtf50_low_contrast_cy_per_px", unit: "cy/px", title: "Spatial frequency at which the response of an edge of contrast 4:1 falls to one half, without noise", better: 1, digits: 3, of: "pictures",
     get: (k) => k.picture?.scores?.targets.mtf50_low_contrast_cy_per_px,
   },
   {
-    label: "Noise", metric: "luminance_noise_percent", unit: "%", title: "Luminance noise on the grey patches of the ColorChecker, mean over four captures", better: -1, digits: 2,
+    label: "Noise", metric: "luminance_noise_percent", unit: "%", title: "Luminance noise on the grey patches of the ColorChecker, mean over four captures", better: -1, digits: 2, of: "pictures",
     get: (k) => k.picture?.scores?.targets.luminance_noise_percent,
   },
-  { label: "Saturated", metric: "saturated_percent", unit: "%", title: "Share of the samples that are saturated", better: -1, digits: 2, get: (k) => k.picture?.saturated_percent },
-  { label: "Photon efficiency", metric: "photon_efficiency", unit: "%", title: "Share of the light on the pixels that becomes electrons", better: 1, digits: 1, get: (k) => scaled(k.figures?.array.photon_efficiency, 100) },
-  { label: "Noise gain", metric: "luminance_noise_gain", unit: "×", title: "Standard deviation of the luminance after the colour matrix, relative to that of independent, equal noise in the channels", better: -1, digits: 2, get: (k) => k.figures?.array.luminance_noise_gain },
-  { label: "Vora value", metric: "vora_value", unit: "", title: "How well the channels span the space of the observer, 0 to 1", better: 1, digits: 3, get: (k) => k.figures?.array.vora_value },
-  { label: "SMI", metric: "sensitivity_metamerism_index", unit: "", title: "Sensitivity metamerism index, ISO 17321-1; 100 is an observer", better: 1, digits: 1, get: (k) => k.figures?.array.sensitivity_metamerism_index },
-  { label: "Condition number", metric: "condition_number", unit: "", title: "Largest singular value of the channels divided by the smallest; noise is amplified where it is large", better: -1, digits: 2, get: (k) => k.figures?.array.condition_number },
+  { label: "Saturated", metric: "saturated_percent", unit: "%", title: "Share of the samples that are saturated", better: -1, digits: 2, of: "pictures", get: (k) => k.picture?.saturated_percent },
+  { label: "Photon efficiency", metric: "photon_efficiency", unit: "%", title: "Share of the light on the pixels that becomes electrons", better: 1, digits: 1, of: "figures", get: (k) => scaled(k.figures?.array.photon_efficiency, 100) },
+  { label: "Noise gain", metric: "luminance_noise_gain", unit: "×", title: "Standard deviation of the luminance after the colour matrix, relative to that of independent, equal noise in the channels", better: -1, digits: 2, of: "figures", get: (k) => k.figures?.array.luminance_noise_gain },
+  { label: "Vora value", metric: "vora_value", unit: "", title: "How well the channels span the space of the observer, 0 to 1", better: 1, digits: 3, of: "figures", get: (k) => k.figures?.array.vora_value },
+  { label: "SMI", metric: "sensitivity_metamerism_index", unit: "", title: "Sensitivity metamerism index, ISO 17321-1; 100 is an observer", better: 1, digits: 1, of: "figures", get: (k) => k.figures?.array.sensitivity_metamerism_index },
+  { label: "Condition number", metric: "condition_number", unit: "", title: "Largest singular value of the channels divided by the smallest; noise is amplified where it is large", better: -1, digits: 2, of: "figures", get: (k) => k.figures?.array.condition_number },
 ];
+/** What stands before everything that is of the state before a change that could not be computed. */
+export const BEFORE = "Before the last change: ";
 /** Bars end at this many of the smallest relevant differences. */
 const BAR_END = 10;
 
@@ -44,8 +46,17 @@ const FIGURES = {
   cpsnr_db: { label: "CPSNR, dB", better: 1 }, delta_e_2000: { label: "ΔE2000", better: -1 }, scielab: { label: "S-CIELAB", better: -1 }, detail_db: { label: "Detail, dB", better: 1 },
 };
 
-/** A number with a minus sign. @param {number} value @param {number} digits */
-export const text = (value, digits) => value.toFixed(digits).replace("-", "−");
+/** A number with a minus sign, but zero without a sign. @param {number} value @param {number} digits */
+export function text(value, digits) {
+  const shown = value.toFixed(digits);
+  return shown.replace("-", Number(shown) === 0 ? "" : "−");
+}
+
+/** A change with its sign. @param {number} value @param {number} digits */
+export function signed(value, digits) {
+  const amount = text(Math.abs(value), digits);
+  return `${Number(amount) === 0 ? "±" : value < 0 ? "−" : "+"}${amount}`;
+}
 
 /**
  * Words for a change of a score, of which the bar is that of `bar`. A change below the smallest relevant one is neither better nor worse.
@@ -82,10 +93,11 @@ export function setUpScores(relevances) {
   const warnings = byId("warnings", HTMLDetailsElement);
   const parts = SCORES.map((score) => {
     const [value, delta] = [make("span", { class: "value" }, "–"), make("span", { class: "delta" })];
+    const before = make("span", { class: "unseen", hidden: true }, "before the last change");
     const fill = draw("rect", { y: 0, height: 4 });
     const gauge = draw("svg", { class: "bar-of", viewBox: "0 0 100 4", preserveAspectRatio: "none", "aria-hidden": "true" }, draw("rect", { class: "track", width: 100, height: 4 }), fill, draw("rect", { class: "zero", x: 49.5, width: 1, height: 4 }));
-    tiles.append(make("div", { class: "tile", title: score.title }, make("dt", {}, score.label), make("dd", {}, make("span", { class: "amount" }, value, make("span", { class: "unit" }, score.unit)), gauge, delta)));
-    return { score, value, delta, gauge, fill };
+    tiles.append(make("div", { class: "tile", "data-of": score.of, title: score.title }, make("dt", {}, score.label), make("dd", {}, make("span", { class: "amount" }, value, make("span", { class: "unit" }, score.unit)), gauge, delta, before)));
+    return { score, value, delta, before, gauge, fill };
   });
   byId("definitions", HTMLElement).append(...SCORES.flatMap(({ label, title, better }) => [make("dt", {}, label), make("dd", {}, `${title}. ${better > 0 ? "Higher" : "Lower"} is better.`)]));
   byId("seed", HTMLElement).textContent = String(SEED);
@@ -99,6 +111,22 @@ export function setUpScores(relevances) {
 
   /** What stands in place of curves. */
   let note = "";
+  /** What is known to be of the state before a change. @type {Set<import("./work.js").Loop>} */
+  const earlier = new Set();
+  const isEarlier = (/** @type {import("./work.js").Loop} */ loop) => earlier.has(loop);
+  /** The warnings that are shown. @type {string[]} */
+  let warned = [];
+
+  function showWarnings() {
+    const [summary, list] = [/** @type {HTMLElement} */ (warnings.querySelector("summary")), /** @type {HTMLElement} */ (warnings.querySelector("ul"))];
+    const count = warned.length === 0 ? "No warnings" : warned.length === 1 ? warned[0] : `${warned.length} warnings: ${warned[0]}`;
+    const text = earlier.size > 0 ? BEFORE + count.replace(/^No/, "no") : count;
+    if (summary.textContent === text && list.children.length === warned.length && warned.every((message, i) => list.children[i].textContent === message)) return;
+    summary.textContent = text;
+    list.replaceChildren(...warned.map((message) => make("li", {}, message)));
+    warnings.toggleAttribute("data-some", warned.length > 0 || earlier.size > 0);
+    if (warned.length === 0) warnings.open = false;
+  }
 
   function showCurve() {
     const key = /** @type {Figure} */ (metric.value || "cpsnr_db");
@@ -108,7 +136,8 @@ export function setUpScores(relevances) {
       svg.setAttribute("aria-label", note);
       return;
     }
-    const margin = { left: 36, right: 18, top: 10, bottom: 24 };
+    const scale = textScale();
+    const margin = { left: 36 * scale, right: 18 * scale, top: 10, bottom: 24 * scale };
     const [low, high] = nice(Math.min(...all), Math.max(...all));
     const [first, last] = [over.own[0].luminance_cd_m2, over.own[over.own.length - 1].luminance_cd_m2].map(Math.log10);
     const x = (/** @type {number} */ luminance) => margin.left + (Math.log10(luminance) - first) / (last - first) * (width - margin.left - margin.right);
@@ -136,6 +165,7 @@ export function setUpScores(relevances) {
   }).observe(place);
 
   return {
+    isEarlier,
     /**
      * Shows the scores of a design and how they differ from those of the pinned one.
      * @param {Known} own @param {Known | undefined} pin @returns {string} The main scores in words.
@@ -156,7 +186,7 @@ export function setUpScores(relevances) {
         fill.setAttribute("x", String(50 + Math.min(length, 0) * 50));
         fill.setAttribute("width", String(Math.abs(length) * 50));
         gauge.dataset.kind = difference?.kind ?? "same";
-        if (isKnown && said.length < 3) said.push(`${score.label} ${text(now, score.digits)} ${score.unit}${difference && difference.kind !== "same" ? `, ${difference.said}` : ""}`);
+        if (isKnown && said.length < 3) said.push(`${score.label} ${text(now, score.digits)}${score.unit && ` ${score.unit}`}${difference && difference.kind !== "same" ? `, ${difference.said}` : ""}`);
       }
       return said.join("; ");
     },
@@ -172,14 +202,17 @@ export function setUpScores(relevances) {
     },
     /** Shows warnings, which are not announced: they change with every step of a drag. @param {import("./engine.js").Warning[]} all */
     warn(all) {
-      const messages = [...new Set(all.map((w) => sentence(w.message)))];
-      const [summary, list] = [/** @type {HTMLElement} */ (warnings.querySelector("summary")), /** @type {HTMLElement} */ (warnings.querySelector("ul"))];
-      const text = messages.length === 0 ? "No warnings" : messages.length === 1 ? messages[0] : `${messages.length} warnings: ${messages[0]}`;
-      if (summary.textContent === text && list.children.length === messages.length) return;
-      summary.textContent = text;
-      list.replaceChildren(...messages.map((message) => make("li", {}, message)));
-      warnings.toggleAttribute("data-some", messages.length > 0);
-      if (messages.length === 0) warnings.open = false;
+      warned = [...new Set(all.map((w) => sentence(w.message)))];
+      showWarnings();
+    },
+    /** Marks what a loop computes as of the state before the last change, or no longer. @param {import("./work.js").Loop} loop @param {boolean} is */
+    mark(loop, is) {
+      if (earlier.has(loop) === is) return;
+      if (is) earlier.add(loop);
+      else earlier.delete(loop);
+      document.documentElement.dataset.earlier = [...earlier].join(" ");
+      for (const { score, before } of parts) before.hidden = !earlier.has(score.of);
+      showWarnings();
     },
     /** The warnings in words. */
     warned: () => /** @type {HTMLElement} */ (warnings.querySelector("summary")).textContent ?? "",

@@ -68,7 +68,7 @@ export function setUpSensor(store, engine, adopt) {
   const refreshers = [];
 
   const cameras = engine.catalogue.cameras;
-  preset.append(...cameras.map((c, i) => make("option", { value: i }, c.name ?? "")));
+  preset.append(make("optgroup", { label: "The whole camera, with mosaic, filters and name" }, ...cameras.map((c, i) => make("option", { value: i }, c.name ?? ""))));
   preset.addEventListener("change", () => {
     const camera = cameras[Number(preset.value)];
     preset.value = "";

@@ -3,7 +3,7 @@
 import { byId, make } from "./dom.js";
 import { fileName, save } from "./files.js";
 import { familyOf } from "./improve.js";
-import { text } from "./scores.js";
+import { signed, text } from "./scores.js";
 
 /**
  * Scores of a design at a luminance: means over scenes, and how much larger they are than as designed, with 95 % intervals.
@@ -13,9 +13,6 @@ import { text } from "./scores.js";
 /** The columns of the table, in the order of the figures. */
 const COLUMNS = [{ label: "CPSNR dB", digits: 2 }, { label: "ΔE2000", digits: 2 }, { label: "S-CIELAB", digits: 2 }];
 const LIGHTS = { range: [1, 10, 100], wide: [0.1, 1, 10, 100, 1000] };
-
-/** @param {number} value @param {number} digits */
-const signed = (value, digits) => `${value < 0 ? "−" : "+"}${text(Math.abs(value), digits)}`;
 
 /** @param {Row[]} rows @returns {HTMLTableElement} */
 function table(rows) {

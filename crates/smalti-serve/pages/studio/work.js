@@ -1,6 +1,8 @@
 // @ts-check
 // The order of work: first the picture of the latest change, then its scores, then what it is compared with. Newer changes interrupt.
 
+import { withAllFilters } from "./design.js";
+
 /** @typedef {import("./engine.js").Engine} Engine */
 /** @typedef {import("./engine.js").Picture} Picture */
 /** @typedef {import("./engine.js").Scores} Scores */
@@ -14,8 +16,8 @@
  * `undefined` while none is known for the scene and the light. `waits` says whose light is being gathered, for a picture or for figures. `worked` follows the first
  * result of a loop, `done` the last results of both.
  * @typedef {{
- *   picture: (picture: Picture, wanted: Wanted) => void, pinned: (picture: Picture | undefined, wanted: Wanted) => void, curves: (curves: import("./engine.js").Curves) => void,
- *   figures: (own: Scores, pinned: Scores | undefined) => void, overLight: (own: Expected[], pinned: Expected[], luminance: number) => void, done: () => void,
+ *   picture: (picture: Picture, wanted: Wanted) => void, pinned: (picture: Picture | undefined, wanted: Wanted) => void, curves: (curves: import("./engine.js").Curves, wanted: Wanted) => void,
+ *   figures: (own: Scores, pinned: Scores | undefined, wanted: Wanted) => void, overLight: (own: Expected[], pinned: Expected[], luminance: number) => void, done: () => void,
  *   worked: (loop: Loop) => void, failed: (loop: Loop, error: unknown) => void, waits: (design: Camera | undefined, isForPicture: boolean) => void,
  * }} Results
  */
@@ -132,15 +134,16 @@ export function setUpWork(engine, wanted, seen, results) {
 
   /** @param {() => boolean} isOld */
   async function figures(isOld) {
-    const { camera, pinned, luminance, family } = wanted();
-    results.curves(await engine.curves(camera));
+    const now = wanted();
+    const { camera, pinned, luminance, family } = now;
+    results.curves(await engine.curves(withAllFilters(camera)), now);
     if (isOld()) return false;
     const waiting = [camera, pinned].filter((design) => design && !engine.hasLight(design, ["statistics"]));
     if (waiting.length > 0) {
       // The figures of the array alone need no light.
       const array = await engine.scores(camera, [], { family });
       if (!array || isOld()) return false;
-      results.figures(array, pinned && await engine.scores(pinned, []) || undefined);
+      results.figures(array, pinned && await engine.scores(pinned, []) || undefined, now);
       results.overLight([], [], luminance);
       // After the light of the picture.
       for (const design of waiting) if (design && !isOld()) await light(design, ["statistics"], isOld);
@@ -151,7 +154,7 @@ export function setUpWork(engine, wanted, seen, results) {
     const before = pinned && await pinFigures.get(JSON.stringify([pinned, luminance]), () => engine.scores(pinned, [luminance, ...LUMINANCES]));
     if (before === null || isOld()) return false;
     results.worked("figures");
-    results.figures(own, before);
+    results.figures(own, before, now);
     results.overLight(own.expected.slice(1), before?.expected.slice(1) ?? [], luminance);
     return true;
   }

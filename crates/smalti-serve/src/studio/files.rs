@@ -52,7 +52,7 @@ macro_rules! embedded {
     };
 }
 
-static EMBEDDED: [(&str, &[u8]); 28] = embedded![
+static EMBEDDED: [(&str, &[u8]); 30] = embedded![
     "bench.js",
     "design.js",
     "designs.js",
@@ -64,6 +64,8 @@ static EMBEDDED: [(&str, &[u8]); 28] = embedded![
     "filters.js",
     "improve.js",
     "index.html",
+    "kinds.js",
+    "labels.js",
     "lights.js",
     "main.js",
     "mosaic.js",
