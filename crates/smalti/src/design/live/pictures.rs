@@ -204,7 +204,7 @@ impl LivePictures {
     /// # Errors
     /// When the reference is dark, or the picture holds a value that is not finite.
     pub fn scores(&mut self, picture: &LivePicture) -> Result<PictureScores, CameraError> {
-        self.to_score(picture.crop)?.score(&on_scale(picture))
+        self.kept_reference(picture.crop)?.score(&on_scale(picture))
     }
 
     /// CIEDE2000 at every pixel between a picture and another one of the same part, such as that of another design: one plane. Both are
@@ -213,11 +213,11 @@ impl LivePictures {
     /// # Errors
     /// When the reference is dark, the pictures differ in size, or one holds a value that is not finite.
     pub fn difference(&mut self, picture: &LivePicture, other: &LivePicture) -> Result<Planes, CameraError> {
-        self.to_score(picture.crop)?.delta_e_2000_between(&on_scale(picture), &on_scale(other))
+        self.kept_reference(picture.crop)?.delta_e_2000_between(&on_scale(picture), &on_scale(other))
     }
 
     /// The reference of a part of the scene, which is kept.
-    fn to_score(&mut self, crop: LiveCrop) -> Result<Arc<ReferenceToScore>, CameraError> {
+    fn kept_reference(&mut self, crop: LiveCrop) -> Result<Arc<ReferenceToScore>, CameraError> {
         if let Some((_, found)) = self.references.iter().find(|(known, _)| *known == crop) {
             return Ok(found.clone());
         }
