@@ -62,6 +62,27 @@ test("a cell is painted, a filter dragged, both undone; scores say what the chan
   await close();
 });
 
+test("the map of differences is that from what the page compares with", async () => {
+  const { page, faults, close } = await open();
+  await page.getByLabel("Read noise").fill("30");
+  await page.getByLabel("Read noise").press("Enter");
+  await page.getByRole("button", { name: "Difference" }).click();
+  await page.locator("#caption", { hasText: /^ΔE2000 from the reference$/ }).waitFor();
+  await settled(page);
+  const fromReference = await pixels(page);
+  await page.getByLabel("Against").selectOption("pin");
+  await page.locator("#caption", { hasText: /^ΔE2000 from the pinned bayer$/ }).waitFor();
+  await settled(page);
+  assert.notEqual(await pixels(page), fromReference);
+  // From itself it is zero everywhere: the darkest colour of the scale.
+  await page.getByRole("button", { name: "Pin", exact: true }).click();
+  await settled(page);
+  const most = await page.locator("#canvas").evaluate((canvas) => Math.max(...canvas.getContext("2d").getImageData(canvas.width / 2 - 20, canvas.height / 2 - 20, 40, 40).data.filter((_, i) => i % 4 === 0)));
+  assert.equal(most, 0);
+  assert.deepEqual(faults, []);
+  await close();
+});
+
 test("the keyboard does it all", async () => {
   const { page, faults, close } = await open();
   await page.getByRole("gridcell", { name: "Row 1, column 1" }).focus();

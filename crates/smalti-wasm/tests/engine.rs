@@ -102,6 +102,33 @@ fn pictures_are_those_of_the_library_bit_for_bit() {
 }
 
 #[test]
+fn a_difference_is_that_of_the_pictures_of_two_designs() {
+    let Files { camera, scene, training, .. } = files();
+    let mut other = camera.clone();
+    other.sensor.pixel.read_noise_mv *= 8.0;
+    let request = |design: &CameraDescription| json!({"design": design, "scene": scene.name, "luminance_cd_m2": 5.0, "seed": 3});
+    let asked = |first, second| json!({"difference": {"picture": request(first), "other": request(second)}});
+    let mut engine = engine();
+    let found = ask(&mut engine, &asked(camera, &other));
+    let mut learner = LiveLearner::new(training.clone()).unwrap();
+    let bare = learner.setup().camera().unwrap();
+    let mut pictures = LivePictures::new(scene.clone(), &Illuminant::D65, &bare).unwrap();
+    let mut picture = |of: &CameraDescription| {
+        let design = learner.learn(of, 5.0, 3).unwrap();
+        pictures.picture(&design, None, NoiseMode::All, 3).unwrap()
+    };
+    let (one, two) = (picture(camera), picture(&other));
+    let expected = pictures.difference(&one, &two).unwrap();
+    assert!(found.bytes == expected.data().iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<_>>());
+    assert!(expected.data().iter().sum::<f32>() > 0.0);
+    // Of a picture from itself, also once the other one is kept.
+    let none = ask(&mut engine, &asked(&other, &other));
+    assert!(none.bytes.iter().all(|byte| *byte == 0));
+    // It is asked for again without the first picture, which another request has replaced.
+    assert!(ask(&mut engine, &asked(camera, &other)).bytes == found.bytes);
+}
+
+#[test]
 fn scores_are_those_of_the_command() {
     let Files { camera, statistics, .. } = files();
     let luminances = [1.0, 10.0];

@@ -236,6 +236,19 @@ export class Engine {
   }
 
   /**
+   * CIEDE2000 at every pixel between the pictures of two designs, whole and with noise. Resolves to null as `draw` does.
+   * @param {Design} design @param {Design} other @param {string} scene @param {number} luminance @returns {Promise<Float32Array | null>}
+   */
+  difference(design, other, scene, luminance) {
+    return this.#latestPicture.run(async () => {
+      const request = async (/** @type {Design} */ of) => ({ design: of, lens: await this.#supply(this.#pictures, of, ["training", { scene }]), scene, luminance_cd_m2: luminance, seed: SEED });
+      const [picture, rival] = [await request(design), await request(other)];
+      const { bytes } = await this.#pictures.ask("difference", { picture, other: rival });
+      return new Float32Array(bytes);
+    });
+  }
+
+  /**
    * Takes a photograph as a scene, one pixel of it on each pixel of the camera: at most 1024 pixels along a side and 400 000 in all. Its colours
    * become smooth reflectances in daylight (Jakob and Hanika 2019). The scene is added to `scenes`.
    * @param {string} name @param {ImageData} photograph @returns {Promise<Scene>}

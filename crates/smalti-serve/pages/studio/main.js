@@ -151,7 +151,7 @@ async function start() {
   const failures = new Map();
   const inEngine = (/** @type {Camera} */ camera) => simulated(engine, camera).camera;
   const wanted = () => ({ camera: inEngine(store.camera), pinned: store.pinned && inEngine(store.pinned), scene: scene.value, luminance: luminance(), family: familyOf() });
-  const compute = setUpWork(engine, wanted, () => ({ pin: picture.needsPin(), map: picture.needsMap() }), {
+  const compute = setUpWork(engine, wanted, () => ({ pin: picture.needsPin(), map: picture.needsMap(), pinMap: picture.needsPinMap() }), {
     picture(drawn, { camera, scene: drawnScene, luminance: drawnLuminance }) {
       wait.hidden = true;
       wait.textContent = "";
@@ -172,6 +172,7 @@ async function start() {
       picture.showPin(drawn, pinned?.name ?? "");
       showScores();
     },
+    pinMap: picture.showPinMap,
     curves(known, { camera }) {
       curves = known;
       curvesOf = JSON.stringify(camera);

@@ -47,7 +47,7 @@ export function setUpPicture(onView) {
   const [caption, captionOther] = [byId("caption", HTMLElement), byId("caption-other", HTMLElement)];
   const other = byId("other", HTMLSelectElement);
   const context = /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d"));
-  /** @type {{ own?: HTMLCanvasElement, reference?: HTMLCanvasElement, pin?: HTMLCanvasElement, map?: HTMLCanvasElement }} */
+  /** @type {{ own?: HTMLCanvasElement, reference?: HTMLCanvasElement, pin?: HTMLCanvasElement, map?: HTMLCanvasElement, pinMap?: HTMLCanvasElement }} */
   const layers = {};
   let names = { own: "", pin: "" };
   /** @type {View} */
@@ -66,6 +66,7 @@ export function setUpPicture(onView) {
   }
 
   const otherLayer = () => (other.value === "pin" ? layers.pin : layers.reference);
+  const mapLayer = () => (other.value === "pin" ? layers.pinMap : layers.map);
   const fit = () => (layers.own ? Math.min(canvas.width / layers.own.width, canvas.height / layers.own.height) : 1);
   const factor = () => (zoom === 0 ? fit() : zoom);
 
@@ -85,7 +86,7 @@ export function setUpPicture(onView) {
     context.imageSmoothingEnabled = scale < 1;
     const put = (/** @type {HTMLCanvasElement | undefined} */ layer) => { if (layer) context.drawImage(layer, left, top, Math.round(width * scale), Math.round(height * scale)); };
     if (view === "other") put(otherLayer());
-    else if (view === "map") put(layers.map);
+    else if (view === "map") put(mapLayer());
     else put(layers.own);
     const x = Math.round(canvas.width * line);
     if (view === "split") {
@@ -104,7 +105,7 @@ export function setUpPicture(onView) {
     const button = document.querySelector('[data-view="other"]');
     if (button) button.textContent = other.value === "pin" ? "Pinned" : "Reference";
     const nameOther = other.value === "pin" ? `Pinned: ${names.pin}${layers.pin ? "" : ", being computed…"}` : "Reference";
-    const nameMap = `ΔE2000 from the reference${layers.map ? "" : ", being computed…"}`;
+    const nameMap = `ΔE2000 from ${other.value === "pin" ? `the pinned ${names.pin}` : "the reference"}${mapLayer() ? "" : ", being computed…"}`;
     caption.textContent = view === "other" ? nameOther : view === "map" ? nameMap : names.own;
     captionOther.textContent = nameOther;
     captionOther.hidden = view !== "split";
@@ -121,8 +122,6 @@ export function setUpPicture(onView) {
   /** @param {View} to */
   function setView(to) {
     view = to;
-    // The map is that of the differences from the reference.
-    if (view === "map") other.value = "reference";
     for (const button of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-view]"))) button.setAttribute("aria-pressed", String(button.dataset.view === view));
     show();
     onView();
@@ -131,7 +130,7 @@ export function setUpPicture(onView) {
     button.addEventListener("click", () => setView(/** @type {View} */ (button.dataset.view)));
   }
   other.addEventListener("change", () => {
-    if (view === "one" || view === "map") setView("split");
+    if (view === "one") setView("split");
     show();
     onView();
   });
@@ -215,7 +214,9 @@ export function setUpPicture(onView) {
     /** Whether the pinned picture is looked at. */
     needsPin: () => other.value === "pin" && (view === "split" || view === "other"),
     /** Whether the map of differences is looked at. */
-    needsMap: () => view === "map",
+    needsMap: () => view === "map" && other.value === "reference",
+    /** Whether the map of differences from the pinned picture is looked at. */
+    needsPinMap: () => view === "map" && other.value === "pin",
     /** @param {Picture} picture @param {string} name @param {boolean} isSame Whether the map of differences that is there is that of this picture. */
     showOwn(picture, name, isSame) {
       const { width, height } = picture;
@@ -231,6 +232,11 @@ export function setUpPicture(onView) {
     showPin(picture, name) {
       layers.pin = picture && canvasOf(picture.rgba, picture.width, picture.height);
       names = { ...names, pin: name };
+      show();
+    },
+    /** @param {Float32Array | undefined} difference None while it is not known. @param {Picture} of The picture of the design. */
+    showPinMap(difference, { width, height }) {
+      layers.pinMap = difference && mapOf(difference, width, height);
       show();
     },
     /** Says that the picture is not of the latest change, which could not be computed. */

@@ -9,14 +9,15 @@ import { withAllFilters } from "./design.js";
 /** @typedef {import("./engine.js").Expected} Expected */
 /** @typedef {import("./design.js").Camera} Camera */
 /** What is shown. @typedef {{ camera: Camera, pinned: Camera | undefined, scene: string, luminance: number, family: import("./engine.js").Family }} Wanted */
-/** What of the picture is looked at. @typedef {{ pin: boolean, map: boolean }} Seen */
+/** What of the picture is looked at: the pinned one, the map of differences from the reference, and that from the pinned one. @typedef {{ pin: boolean, map: boolean, pinMap: boolean }} Seen */
 /** What goes on beside each other. @typedef {"pictures" | "figures"} Loop */
 /**
  * Where results go. A picture without scores comes first, unless the map of differences is looked at; the same with scores follows. The pinned picture is
  * `undefined` while none is known for the scene and the light. `waits` says whose light is being gathered, for a picture or for figures. `worked` follows the first
  * result of a loop, `done` the last results of both.
  * @typedef {{
- *   picture: (picture: Picture, wanted: Wanted) => void, pinned: (picture: Picture | undefined, wanted: Wanted) => void, curves: (curves: import("./engine.js").Curves, wanted: Wanted) => void,
+ *   picture: (picture: Picture, wanted: Wanted) => void, pinned: (picture: Picture | undefined, wanted: Wanted) => void,
+ *   pinMap: (difference: Float32Array | undefined, of: Picture) => void, curves: (curves: import("./engine.js").Curves, wanted: Wanted) => void,
  *   figures: (own: Scores, pinned: Scores | undefined, wanted: Wanted) => void, overLight: (own: Expected[], pinned: Expected[], luminance: number) => void, done: () => void,
  *   worked: (loop: Loop) => void, failed: (loop: Loop, error: unknown) => void, waits: (design: Camera | undefined, isForPicture: boolean) => void,
  * }} Results
@@ -53,6 +54,7 @@ export function setUpWork(engine, wanted, seen, results) {
   /** @type {Promise<void>} */
   let renewed = new Promise((resolve) => { renew = resolve; });
   /** @type {Last<Picture>} */ const pinPicture = new Last();
+  /** @type {Last<Float32Array>} */ const pinMap = new Last();
   /** @type {Last<Scores>} */ const pinFigures = new Last();
   /** Loops at work. @type {Set<Loop>} */
   const busy = new Set();
@@ -120,7 +122,16 @@ export function setUpWork(engine, wanted, seen, results) {
       results.pinned(picture, now);
       return true;
     };
+    const mapKey = JSON.stringify([camera, pinKey]);
+    if (!pinMap.has(mapKey)) results.pinMap(undefined, first);
     if (isOld()) return false;
+    if (seen().pinMap && pinned) {
+      await light(pinned, ["training", { scene }], isOld);
+      if (isOld()) return false;
+      const map = await pinMap.get(mapKey, () => engine.difference(camera, pinned, scene, luminance));
+      if (isOld() || map === null) return false;
+      results.pinMap(map, first);
+    }
     if (seen().pin && !pinPicture.has(pinKey)) await showPin();
     if (isOld()) return false;
     await pause();

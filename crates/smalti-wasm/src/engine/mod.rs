@@ -26,7 +26,7 @@ pub use error::EngineError;
 pub use file::StudioFile;
 use improving::Improving;
 use lens::{Lens, Sources};
-use request::{DrawRequest, Request};
+use request::{DifferenceRequest, DrawRequest, Request};
 
 /// Bytes of the longest request.
 const MAX_REQUEST: usize = 4 << 20;
@@ -74,6 +74,8 @@ pub struct Engine {
     observer: Option<ColorimetricObserver>,
     learned: Option<Learned>,
     drawn: Option<Drawn>,
+    /// The picture from which differences were last asked for.
+    other: Option<Drawn>,
     improving: Option<Improving>,
     makeable: warnings::Makeable,
 }
@@ -84,7 +86,7 @@ impl Engine {
     /// # Errors
     /// When it is damaged or of another kind.
     pub fn load(&mut self, lens: &str, kind: StudioFile, bytes: &[u8]) -> Result<(), EngineError> {
-        (self.learned, self.drawn) = (None, None);
+        (self.learned, self.drawn, self.other) = (None, None, None);
         self.lenses.entry(lens.to_owned()).or_default().load(kind, bytes)
     }
 
@@ -118,6 +120,7 @@ impl Engine {
             Request::Table(request) => self.table(&request.into()),
             Request::Raw(request) => self.raw(&request.into()),
             Request::Measure(request) => self.measure(&request),
+            Request::Difference(request) => self.difference(&request),
             Request::Scores(request) => {
                 let camera = camera(request.design)?;
                 let observer = self.observer(&camera)?;
@@ -267,6 +270,25 @@ impl Engine {
         said["warnings"] = serde_json::to_value(warnings::of_targets(&targets))?;
         said["targets"] = serde_json::to_value(targets)?;
         Ok(Answer { said, bytes })
+    }
+
+    /// CIEDE2000 at every pixel between two pictures of a scene, of which the other one is kept.
+    fn difference(&mut self, request: &DifferenceRequest) -> Result<Answer, EngineError> {
+        let DifferenceRequest { picture, other } = request;
+        if self.other.as_ref().is_none_or(|known| known.key != other.picture_key()) {
+            self.draw(other)?;
+            self.other = self.drawn.take();
+        }
+        if self.drawn.as_ref().is_none_or(|known| known.key != picture.picture_key()) {
+            self.draw(picture)?;
+        }
+        let drawn = self.drawn.as_ref().ok_or(EngineError::Missing("a picture"))?;
+        let other = self.other.as_ref().ok_or(EngineError::Missing("another picture"))?;
+        let lens =
+            self.lenses.get_mut(&picture.lens).ok_or(EngineError::Missing("the light of this lens"))?;
+        let map = lens.pictures(&picture.scene)?.difference(&drawn.picture, &other.picture)?;
+        let bytes = map.data().iter().flat_map(|v| v.to_le_bytes()).collect();
+        Ok(Answer { said: json!({"rows": map.rows(), "cols": map.cols()}), bytes })
     }
 }
 

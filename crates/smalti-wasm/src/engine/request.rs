@@ -25,6 +25,8 @@ pub(super) enum Request {
     Raw(RawRequest),
     /// Scores of a picture.
     Measure(DrawRequest),
+    /// CIEDE2000 at every pixel between two pictures of a scene.
+    Difference(DifferenceRequest),
     /// Figures without a picture.
     Scores(ScoresRequest),
     /// Curves over wavelength.
@@ -71,6 +73,13 @@ pub(super) struct DrawRequest {
     pub(super) seed: u64,
     #[serde(default)]
     pub(super) reference: bool,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct DifferenceRequest {
+    pub(super) picture: DrawRequest,
+    pub(super) other: DrawRequest,
 }
 
 fn yes() -> bool {

@@ -86,6 +86,8 @@ pub(crate) struct ReferenceToScore {
     reference: Image,
     /// The Y of white.
     white_y: f64,
+    /// X, Y, Z of white.
+    white: [f64; 3],
     lab: LabReference,
     scielab: Scielab,
     blurred: LabReference,
@@ -108,7 +110,22 @@ impl ReferenceToScore {
         let scielab = Scielab::new(settings.samples_per_degree, DeltaE::Cie1976);
         let blurred = scielab.reference(&reference, white).map_err(MetricError::from)?;
         let lab = LabReference::new((reference.rows(), reference.cols()), reference.channels(), white);
-        Ok(Self { reference, white_y, lab, scielab, blurred })
+        Ok(Self { reference, white_y, white, lab, scielab, blurred })
+    }
+
+    /// CIEDE2000 at every pixel between two pictures on the scale of the reference. Both are clipped at its white, which is the white of CIELAB.
+    ///
+    /// # Errors
+    /// As for [`score_picture`].
+    pub(crate) fn delta_e_2000_between(&self, picture: &Image, other: &Image) -> Result<Planes, CameraError> {
+        let clipped = |image: &Image| {
+            image.check_finite()?;
+            difference::check_pair(&self.reference, image)?;
+            clipped_at_white(image, self.white_y)
+        };
+        let (picture, other) = (clipped(picture)?, clipped(other)?);
+        let lab = LabReference::new((other.rows(), other.cols()), other.channels(), self.white);
+        Ok(one_plane(lab.map(picture.channels(), DeltaE::Ciede2000))?)
     }
 
     /// The scores of a picture.

@@ -206,18 +206,27 @@ impl LivePictures {
     /// # Errors
     /// When the reference is dark, or the picture holds a value that is not finite.
     pub fn scores(&mut self, picture: &LivePicture) -> Result<PictureScores, CameraError> {
-        let known = self.references.iter().find(|(crop, _)| *crop == picture.crop);
-        let reference = match known {
-            Some((_, found)) => found.clone(),
-            None => {
-                let image = self.reference(Some(picture.crop))?;
-                let made = ReferenceToScore::new(&image, self.white, &ScoreSettings::default())?;
-                let made = Arc::new(made);
-                keep_latest(&mut self.references, KEPT, (picture.crop, made.clone()));
-                made
-            }
-        };
-        reference.score(&picture.picture.clone().scaled(1.0 / picture.scale))
+        self.kept_reference(picture.crop)?.score(&on_scale(picture))
+    }
+
+    /// CIEDE2000 at every pixel between a picture and another one of the same part, such as that of another design: one plane. Both are
+    /// clipped at the white of the reference, as for [`scores`](Self::scores).
+    ///
+    /// # Errors
+    /// When the reference is dark, the pictures differ in size, or one holds a value that is not finite.
+    pub fn difference(&mut self, picture: &LivePicture, other: &LivePicture) -> Result<Planes, CameraError> {
+        self.kept_reference(picture.crop)?.delta_e_2000_between(&on_scale(picture), &on_scale(other))
+    }
+
+    /// The reference of a part of the scene, which is kept.
+    fn kept_reference(&mut self, crop: LiveCrop) -> Result<Arc<ReferenceToScore>, CameraError> {
+        if let Some((_, found)) = self.references.iter().find(|(known, _)| *known == crop) {
+            return Ok(found.clone());
+        }
+        let image = self.reference(Some(crop))?;
+        let made = Arc::new(ReferenceToScore::new(&image, self.white, &ScoreSettings::default())?);
+        keep_latest(&mut self.references, KEPT, (crop, made.clone()));
+        Ok(made)
     }
 
     fn checked(&self, crop: Option<LiveCrop>) -> Result<LiveCrop, CameraError> {
@@ -256,6 +265,11 @@ impl LivePictures {
         keep_latest(&mut self.kept, KEPT, (key, pixels.clone()));
         Ok(pixels)
     }
+}
+
+/// A picture on the scale of the reference.
+fn on_scale(picture: &LivePicture) -> Image {
+    picture.picture.clone().scaled(1.0 / picture.scale)
 }
 
 /// The window of whole tiles around a part of a scene with the samples that its picture depends on.
