@@ -65,13 +65,15 @@ test("results of a search and the report of a sweep open as designs", async () =
   const { page, faults, close } = await own.open({}, exported.address);
   const flat = (value) => Array(31).fill(value);
   const search = {
-    name: "found", wavelengths_nm: flat(0).map((_, i) => 400 + 10 * i),
+    name: "found", family: { dichroic: { edge_nm: 20 } }, wavelengths_nm: flat(0).map((_, i) => 400 + 10 * i),
     searched: [{ tile: "ab/ca", transmittances: [flat(0.2), flat(0.5), flat(0.9)] }],
   };
   const take = (name, content) => page.locator("#file").setInputFiles({ name, mimeType: "application/json", buffer: Buffer.from(JSON.stringify(content)) });
   await take("results.json", search);
   await page.waitForFunction(() => document.querySelector("#name").value === "found");
   assert.deepEqual(await cells(page), ["AB", "CA"]);
+  // Its filters are judged as those of the family of the search.
+  assert.equal(await page.locator("#family").inputValue(), "dichroic");
   await page.getByText("found is open with the sensor and the lens of this page").waitFor();
   const filters = [[455, 25], [540, 35], [600, 30]].map(([center, sigma]) => `{ gaussian = { center_nm = ${center}, sigma_nm = ${sigma} } }`);
   await writeFile(join(own.dir, "few.toml"), `camera = "table1"\ncolors = [3]\nmosaics = { given = [["bc", "ab"]] }\nmetrics = ["vora_value"]\n[[filters.list]]\nfilters = [${filters.join(", ")}]\n`);
