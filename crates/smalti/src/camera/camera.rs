@@ -6,7 +6,7 @@ use super::resolve::{self, ExposureTime, GainChoice};
 use crate::color::ColorSpace;
 use crate::isp::{self, Classic, ColorConstraint, ColorFit, WhiteBalance};
 use crate::optics::{OpticalImage, Optics};
-use crate::scene::Scene;
+use crate::scene::{MAX_FOV_DEG, Scene};
 use crate::sensor::{
     AutoExposure, Cfa, ConversionGain, Exposure, Light, PixelSpectra, Sensor, SensorError, Window,
 };
@@ -113,11 +113,17 @@ impl Camera {
     /// Horizontal field of view of `cols` pixels for a scene at a distance, degrees.
     ///
     /// # Errors
-    /// When the scene is not beyond the focal length.
+    /// When the scene is not beyond the focal length, or the pixels see more than the 170° that a scene may have.
     pub fn field_of_view_deg(&self, cols: usize, distance_m: f64) -> Result<f64, CameraError> {
         let width_m = cols as f64 * self.sensor.pixel.pitch_m;
         let geometry = self.optics.geometry(distance_m)?;
-        Ok(2.0 * (width_m / 2.0 / geometry.image_distance_m()).atan().to_degrees())
+        let deg = 2.0 * (width_m / 2.0 / geometry.image_distance_m()).atan().to_degrees();
+        if deg > MAX_FOV_DEG {
+            let message =
+                format!("{cols} pixels see {deg:.1}° behind the lens; expected at most {MAX_FOV_DEG}°");
+            return Err(CameraError::Key { key: "sensor.pixel.pitch_um".into(), message });
+        }
+        Ok(deg)
     }
 
     /// The scene with the field of view that fits it on the sensor. A scene from a file (`is_file`) covers at most as many pixels
@@ -423,6 +429,16 @@ mod tests {
             "sensor.cfa.pattern"
         );
         assert_eq!(key(|d| d.isp.color_noise_percent = -1.0), "isp.color_noise_percent");
+    }
+
+    #[test]
+    fn pixels_that_see_more_than_a_scene_may_have_name_the_pitch() {
+        let wide = camera(|d| (d.sensor.pixel.pitch_um, d.optics.focal_length_mm) = (50.0, 4.0));
+        let message = wide.field_of_view_deg(2000, 1.0).unwrap_err().to_string();
+        let expected =
+            "`sensor.pixel.pitch_um`: 2000 pixels see 170.8° behind the lens; expected at most 170°";
+        assert_eq!(message, expected);
+        assert!(wide.field_of_view_deg(1000, 1.0).unwrap() < 170.0);
     }
 
     /// Electrons and volts are two units of one quantity: read noise of 2 e⁻ at 50 µV/e⁻ is 0.1 mV.

@@ -199,8 +199,8 @@ impl Statistics {
     }
 
     /// Adds `times` patches of a uniform field at every position, as if from an image of it. `samples` are
-    /// normalised and noise-free, one per channel; `target` has one value per output. The patches count as
-    /// flat. A field that clips in any channel is skipped.
+    /// normalised and noise-free, one per channel, and clip at 1; `target` has one value per output. The patches count as
+    /// flat.
     ///
     /// # Errors
     /// When there is not one value per channel and output, or a value is not finite.
@@ -217,21 +217,24 @@ impl Statistics {
             let what = "the target of an even field".into();
             return Err(L3Error::Value { what, row: 0, col: 0, value: value as f32 });
         }
-        if times == 0 || samples.iter().any(|&v| v >= self.axes.clip()) {
+        if times == 0 {
             return Ok(());
         }
         let taps = self.axes.taps();
         let mut z = vec![1.0; 1 + taps];
         z.extend_from_slice(target);
         for position in 0..self.axes.positions() {
+            let mut saturation = 0;
             for (tap, z) in z[1..=taps].iter_mut().enumerate() {
-                *z = samples[self.axes.channel_of(position, tap)];
+                let channel = self.axes.channel_of(position, tap);
+                *z = samples[channel].min(1.0);
+                saturation |= u32::from(*z >= self.axes.clip()) << channel;
             }
             let mean = (z[1..=taps].iter().sum::<f64>() / taps as f64) as f32;
             let level = self.axes.levels_at(position).level_of(mean) as u16;
             let range = &mut self.trained[position];
             *range = [range[0].min(mean), range[1].max(mean)];
-            let key = ClassKey { position: position as u32, saturation: 0, level, texture: 0 };
+            let key = ClassKey { position: position as u32, saturation, level, texture: 0 };
             self.class_mut(key).add(&z, f64::from(times));
         }
         Ok(())
@@ -388,12 +391,18 @@ mod tests {
         }
     }
 
-    /// A uniform field counts like an image of it.
+    /// A uniform field counts like an image of it, also where channels clip.
     #[test]
     fn even_fields_are_pictures_of_them() {
-        let (samples, target) = ([0.31, 0.12, 0.45], [0.2, 0.7]);
+        for samples in [[0.31, 0.12, 0.45], [0.3, 1.6, 0.2], [1.2, 2.0, 1.1]] {
+            an_even_field_is_a_picture_of_it(samples);
+        }
+    }
+
+    fn an_even_field_is_a_picture_of_it(samples: [f64; 3]) {
+        let target = [0.2, 0.7];
         let mosaic = Mosaic::new(2, 2, vec![0, 1, 1, 2]).unwrap();
-        let at = |i: usize| samples[mosaic.channel_at(i / 12, i % 12)] as f32;
+        let at = |i: usize| samples[mosaic.channel_at(i / 12, i % 12)].min(1.0) as f32;
         let names = ["R", "G", "B"].map(String::from).to_vec();
         let volts = RawSamples::Analog((0..144).map(at).collect());
         let raw = RawImage::new(12, 12, volts, Sampling::Mosaic(mosaic.clone()), names, 0.0, 1.0).unwrap();
@@ -410,9 +419,6 @@ mod tests {
         for (a, b) in picture.trained().iter().flatten().zip(field.trained().iter().flatten()) {
             assert!((a - b).abs() < 1e-6);
         }
-        // A clipped field is not a flat patch of its colour.
-        field.add_even(&[0.3, 1.0, 0.3], &target, 16).unwrap();
-        assert_eq!(field.count(), 64);
         assert!(field.add_even(&samples[1..], &target, 1).is_err());
         assert!(field.add_even(&samples, &[0.1], 1).is_err());
         assert!(field.add_even(&[f64::NAN, 0.0, 0.0], &target, 1).is_err());

@@ -42,6 +42,7 @@ pub use self::hdr::hdr;
 pub use self::point_grid::{PointGrid, point_grid};
 pub use self::radiance::Scene;
 pub use self::resolution_chart::{ResolutionChart, resolution_chart};
+pub(crate) use self::setting::MAX_FOV_DEG;
 pub use self::setting::Setting;
 pub use self::siemens_star::{SiemensStar, siemens_star};
 pub use self::slanted_bar::{SlantedBar, slanted_bar};

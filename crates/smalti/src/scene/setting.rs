@@ -61,7 +61,7 @@ pub(super) fn require_distance(m: f64) -> Result<(), OutOfRange> {
 }
 
 /// A flat scene of 170° is 23 times as wide as it is far, and a lens images it on 23 focal lengths. Towards 180° both are infinite.
-const MAX_FOV_DEG: f64 = 170.0;
+pub(crate) const MAX_FOV_DEG: f64 = 170.0;
 
 pub(super) fn require_fov(deg: f64) -> Result<(), OutOfRange> {
     require((1e-6..=MAX_FOV_DEG).contains(&deg), "horizontal_fov_deg", deg, "1e-6 to 170")
