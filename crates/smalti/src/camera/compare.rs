@@ -194,8 +194,7 @@ impl IntegratedScene {
     pub(crate) fn new(setup: Setup) -> Result<Self, CameraError> {
         let Setup { camera, image, .. } = &setup;
         let witness = camera.witness(&camera.observer_channels()?)?;
-        let sensors = [[&camera.sensor, &witness.sensor]];
-        let [rates, witnessed] = ElectronRates::of_all(&sensors, image)?.swap_remove(0);
+        let [rates, witnessed] = ElectronRates::of_each([&camera.sensor, &witness.sensor], image)?;
         let seen = witness.seen((&witnessed, 1.0))?;
         Ok(Self { setup, rates, seen })
     }

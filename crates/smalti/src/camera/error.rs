@@ -40,6 +40,14 @@ pub enum CameraError {
         /// Why.
         reason: String,
     },
+    /// A design cannot be learned from statistics of light, because the training scene saturates a channel.
+    #[error(
+        "`l3.statistics`: the training scene saturates the channel {channel}, which \"light\" does not describe; expose less, or use \"patches\""
+    )]
+    TrainingSaturates {
+        /// Its name.
+        channel: String,
+    },
     /// A channel gets no light, and fewer than three others see it.
     #[error(
         "the channel {channel} gets no light: its response to white is {percent:.2} % of that of the brightest channel, and fewer than three channels \

@@ -29,6 +29,7 @@ pub(crate) mod target;
 mod test_scene;
 mod training;
 pub(crate) mod training_set;
+mod training_settings;
 
 pub use array_figures::ArrayFigures;
 pub use camera::Camera;
@@ -55,8 +56,8 @@ pub(crate) use score::picture_cpsnr_db;
 pub use score::{PICTURE_METRICS, PictureScores, ScoreSettings, score_picture};
 pub use test_scene::TestScene;
 pub(crate) use training::Stand;
-pub use training::{LevelRule, TrainingSettings, TrainingTarget};
 pub use training_set::{
     DEFAULT_TRAINING_LIGHT, NoStoredScenes, StoredTrainingScenes, TRAINING_SET_REVISION, TrainingContent,
     TrainingScene, training_reflectances, training_scenes,
 };
+pub use training_settings::{LevelRule, TrainingSettings, TrainingTarget};

@@ -84,13 +84,6 @@ impl LightTrainer {
         design: &ExposedDesign,
     ) -> Result<Pipeline, CameraError> {
         let ExposedDesign { camera, exposure, scale, axes, .. } = design;
-        if let Some(channel) = self.saturated(design)? {
-            let message = format!(
-                "the training scene saturates the channel {}, which \"light\" does not describe; expose less, or use \"patches\"",
-                channel.name
-            );
-            return Err(CameraError::Key { key: KEY.into(), message });
-        }
         let bounds = self.largest_samples(design)?;
         let classes = self.classes(data, axes.mosaic())?;
         let gain = samples_per_rate(&camera.sensor, exposure)?;
@@ -170,27 +163,22 @@ impl LightTrainer {
         Ok(classes)
     }
 
-    /// The first channel of a design that the light of the training scene saturates by more than [`MAX_SAMPLE`], if there is one.
-    pub(super) fn saturated<'a>(
-        &self,
-        design: &'a ExposedDesign,
-    ) -> Result<Option<&'a Channel>, CameraError> {
-        let sensor = &design.camera.sensor;
-        let gain = samples_per_rate(sensor, &design.exposure)?;
-        let mut bounds = sensor.cfa.channels().iter().zip(self.largest_samples(design)?);
-        let found = bounds.find(|(channel, bound)| {
-            *bound > MAX_SAMPLE && self.largest(&channel.transmittance) * gain > MAX_SAMPLE
-        });
-        Ok(found.map(|(channel, _)| channel))
-    }
-
     /// Bounds of the samples of each channel of a design.
+    ///
+    /// # Errors
+    /// [`CameraError::TrainingSaturates`] when the light of the training scene saturates a channel by more than [`MAX_SAMPLE`].
     fn largest_samples(&self, design: &ExposedDesign) -> Result<Vec<f64>, CameraError> {
         let sensor = &design.camera.sensor;
         let gain = samples_per_rate(sensor, &design.exposure)?;
-        let bound =
-            |response: &Vec<f64>| response.iter().zip(&*self.brightest).map(|(r, b)| r * b).sum::<f64>();
-        Ok(response(sensor, self.grid())?.iter().map(|response| bound(response) * gain).collect())
+        let mut bounds = Vec::new();
+        for (channel, response) in sensor.cfa.channels().iter().zip(response(sensor, self.grid())?) {
+            let bound: f64 = response.iter().zip(&*self.brightest).map(|(r, b)| r * b).sum();
+            if bound * gain > MAX_SAMPLE && self.largest(&channel.transmittance) * gain > MAX_SAMPLE {
+                return Err(CameraError::TrainingSaturates { channel: channel.name.clone() });
+            }
+            bounds.push(bound * gain);
+        }
+        Ok(bounds)
     }
 
     fn grid(&self) -> WavelengthGrid {

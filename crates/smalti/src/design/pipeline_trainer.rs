@@ -104,11 +104,11 @@ impl PipelineTrainer {
         cfa: &Cfa,
     ) -> Result<(Pipeline, LearningStatistics), CameraError> {
         let design = self.data.exposed(cfa)?;
-        match &self.from_light {
-            Some(trainer) if trainer.saturated(&design)?.is_none() => {
-                Ok((trainer.pipeline(&self.data, &design)?, LearningStatistics::Light))
+        match self.from_light.as_ref().map(|trainer| trainer.pipeline(&self.data, &design)) {
+            None | Some(Err(CameraError::TrainingSaturates { .. })) => {
+                Ok((self.patch_pipeline(&design)?, LearningStatistics::Patches))
             }
-            _ => Ok((self.patch_pipeline(&design)?, LearningStatistics::Patches)),
+            Some(learned) => Ok((learned?, LearningStatistics::Light)),
         }
     }
 

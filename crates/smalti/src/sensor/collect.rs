@@ -80,7 +80,7 @@ impl<'a> Collector<'a> {
         Ok(collector)
     }
 
-    /// [`Collector::new`] for several sensors, of which each has `N` sensitivities. Those that see the same part of the image share one
+    /// [`Collector::new`] for several sensors, in groups of `N`. Those that see the same part of the image share one
     /// pass of it, which takes longer than the products.
     pub(super) fn of_all<const N: usize>(
         sensors: &[[&'a Sensor; N]],

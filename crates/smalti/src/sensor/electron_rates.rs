@@ -28,6 +28,14 @@ impl ElectronRates {
         Ok(Self { window: sensor.unbinned().read_window(), per_s: sensor.electrons(image.into(), 1.0)? })
     }
 
+    /// [`ElectronRates::of_all`] for one group.
+    pub(crate) fn of_each<const N: usize>(
+        sensors: [&Sensor; N],
+        image: &OpticalImage,
+    ) -> Result<[Self; N], SensorError> {
+        Ok(Self::of_all(&[sensors], image)?.swap_remove(0))
+    }
+
     /// The rates of an image on several sensors, in groups of `N`: those of [`ElectronRates::new`], but the image is read once, which
     /// takes longer than the products.
     ///
