@@ -210,7 +210,7 @@ test("the exported folder works from any web server, and nothing moves while it 
   assert.equal(await page.getByRole("button", { name: /Save report/ }).count(), 0);
   assert.equal(await page.getByRole("button", { name: /Save learned table|Save raw capture/ }).count(), 2);
   await page.getByText("smalti train", { exact: true }).waitFor();
-  assert.equal(await page.locator(".about p").innerText(), "Scores of the picture: one scene, one noise realisation (seed 1), no interval. smalti compare states intervals. Scores at full size (more pixels, more training scenes) and in the curves (expected over the training scenes) differ.");
+  assert.equal(await page.locator(".about p").innerText(), "Scores of the picture: one scene, one noise realisation (seed 1), no interval. Scores at full size (more pixels, more training scenes) and in the curves (expected over the training scenes) differ. smalti compare states intervals.");
   await page.getByText("File", { exact: true }).click();
   const shift = await page.evaluate(() => new Promise((resolve) => {
     let sum = 0;
