@@ -9,7 +9,9 @@ use smalti::camera::{Camera, CameraDescription, ColorimetricObserver, TestScene}
 use smalti::color::Image;
 use smalti::design::LearningSettings;
 use smalti::design::light::LightStatistics;
-use smalti::design::live::{LiveLearner, LivePicture, LivePictures, LiveScene, LiveSetup, LiveTraining};
+use smalti::design::live::{
+    LiveEffort, LiveLearner, LivePicture, LivePictures, LiveScene, LiveSetup, LiveTraining,
+};
 use smalti::design::screen::ScreenCondition;
 use smalti::design::search::{FilterSpace, FreeCurves};
 use smalti::experiment::{Resources, analyse_design, light_statistics};
@@ -78,7 +80,7 @@ fn pictures_are_those_of_the_library_bit_for_bit() {
     let request = |part: &str, reference: bool| json!({part: {"design": camera, "scene": name, "luminance_cd_m2": 5.0, "seed": 3, "reference": reference}});
     let drawn = ask(&mut engine, &request("draw", true));
     let mut learner = LiveLearner::new(training.clone()).unwrap();
-    let design = learner.learn(camera, 5.0, 3).unwrap();
+    let design = learner.learn(camera, 5.0, 3, LiveEffort::Quick).unwrap();
     let bare = learner.setup().camera().unwrap();
     let mut pictures = LivePictures::new(scene.clone(), &Illuminant::D65, &bare).unwrap();
     let picture = pictures.picture(&design, None, NoiseMode::All, 3).unwrap();
@@ -87,10 +89,18 @@ fn pictures_are_those_of_the_library_bit_for_bit() {
     assert!(drawn.bytes == both);
     assert_eq!(drawn.said["exposure_ms"], json!(100.0));
     let measured = ask(&mut engine, &request("measure", false));
+    let mut careful = request("measure", false);
+    careful["measure"]["thorough"] = json!(true);
+    let careful = ask(&mut engine, &careful);
     let scores = pictures.scores(&picture).unwrap();
     assert_eq!(measured.said["cpsnr_db"].as_f64(), Some(scores.cpsnr_db));
     assert_eq!(measured.said["scielab_mean"].as_f64(), Some(scores.scielab_mean));
     assert_eq!(measured.bytes.len(), 4 * 32 * 48);
+    let thorough = learner.learn(camera, 5.0, 3, LiveEffort::Thorough).unwrap();
+    let of_thorough = pictures.picture(&thorough, None, NoiseMode::All, 3).unwrap();
+    let thorough = pictures.scores(&of_thorough).unwrap().cpsnr_db;
+    assert_eq!(careful.said["cpsnr_db"].as_f64(), Some(thorough));
+    assert_ne!(thorough, scores.cpsnr_db);
     let targets = learner.targets(&design, 3).unwrap();
     assert_eq!(measured.said["targets"], json!(targets));
     assert!(targets.mtf50_low_contrast_cy_per_px.unwrap() > 0.1);
@@ -114,7 +124,7 @@ fn a_difference_is_that_of_the_pictures_of_two_designs() {
     let bare = learner.setup().camera().unwrap();
     let mut pictures = LivePictures::new(scene.clone(), &Illuminant::D65, &bare).unwrap();
     let mut picture = |of: &CameraDescription| {
-        let design = learner.learn(of, 5.0, 3).unwrap();
+        let design = learner.learn(of, 5.0, 3, LiveEffort::Quick).unwrap();
         pictures.picture(&design, None, NoiseMode::All, 3).unwrap()
     };
     let (one, two) = (picture(camera), picture(&other));
@@ -292,15 +302,13 @@ fn pictures_and_scores_go_on_where_the_light_saturates() {
         );
         let is_stated = said["warnings"].as_array().unwrap().iter().any(|w| w["message"] == stated.as_str());
         assert_eq!(is_stated, share > 1.0, "{said}");
-        let table =
-            ask(&mut engine, &json!({"table": {"design": design, "luminance_cd_m2": luminance, "seed": 3}}));
-        let pipeline = l3::table_from_bytes(&table.bytes, Path::new("test")).unwrap();
-        let provenance: Value = serde_json::from_str(pipeline.provenance()).unwrap();
-        shares.push((share, provenance["learning"].get("statistics").is_some()));
+        let mut thorough = request.clone();
+        thorough["thorough"] = json!(true);
+        let thorough = ask(&mut engine, &json!({"measure": thorough})).said;
+        assert!(thorough["cpsnr_db"].as_f64().unwrap().is_finite(), "{thorough}");
+        shares.push(share);
     }
-    let [(none, by_light), .., (most, by_patches)] = shares[..] else { panic!("{shares:?}") };
-    assert!(none < 1.0 && by_light && most > 99.0 && !by_patches, "{shares:?}");
-    assert!(shares.is_sorted_by(|a, b| a.0 <= b.0) && shares[2].0 > 30.0, "{shares:?}");
+    assert!(shares[0] < 1.0 && shares[2] > 30.0 && shares[3] > 99.0 && shares.is_sorted(), "{shares:?}");
     // The figures over luminance reach the end of its range.
     let request = json!({"scores": {"design": design, "luminances_cd_m2": [0.1, 10.0, 1000.0]}});
     let expected = ask(&mut engine, &request).said["expected"].clone();
@@ -382,26 +390,31 @@ fn the_table_and_the_raw_image_make_the_picture() {
     let light = ask(&mut engine, &json!({"light": {"design": camera, "of": {"scene": "mine"}}})).bytes;
     engine.load("", StudioFile::Scene, &light).unwrap();
     let mut learner = LiveLearner::new(training.clone()).unwrap();
-    let design = learner.learn(camera, 5.0, 3).unwrap();
+    let design = learner.learn(camera, 5.0, 3, LiveEffort::Thorough).unwrap();
     let bare = learner.setup().camera().unwrap();
     let table = json!({"table": {"design": camera, "luminance_cd_m2": 5.0, "seed": 3}});
     let table = ask(&mut engine, &table).bytes;
     let pipeline = l3::table_from_bytes(&table, path).unwrap();
     assert_eq!(pipeline, learner.table(&design).unwrap());
     let provenance: Value = serde_json::from_str(pipeline.provenance()).unwrap();
-    assert_eq!(provenance["learned_in"], "the studio, from statistics of light");
+    assert_eq!(provenance["learned_in"], "the studio, from patches at several exposures");
     assert_eq!(
         (&provenance["learning"]["side"], &provenance["learning"]["size_px"]),
         (&json!(3), &json!(64))
     );
-    assert_eq!(provenance["learning"]["statistics"], "light");
+    assert_eq!(
+        (provenance["learning"].get("statistics"), &provenance["learning"]["levels"]),
+        (None, &json!(8))
+    );
     assert_eq!(provenance["scenes"][0], "training scene 0 of studies, 64 × 64 pixels");
     assert_eq!((&provenance["camera"], &provenance["luminance_cd_m2"]), (&json!(camera), &json!(5.0)));
     let white = Illuminant::D65.photons(WavelengthGrid::VISIBLE).unwrap();
     assert_eq!(pipeline.white(), Some(Observer::Cie1931.white(&white).unwrap()));
     for scene in [scene.clone(), studio::scene_from_bytes(&light, path).unwrap()] {
         let request = json!({"design": camera, "scene": scene.name, "luminance_cd_m2": 5.0, "seed": 3});
-        let Answer { said, bytes: shown } = ask(&mut engine, &json!({"draw": request}));
+        let mut thorough = request.clone();
+        thorough["thorough"] = json!(true);
+        let Answer { said, bytes: shown } = ask(&mut engine, &json!({"draw": thorough}));
         let raw = ask(&mut engine, &json!({"raw": request})).bytes;
         let read = dng::from_bytes(&raw, path).unwrap();
         let mut pictures = LivePictures::new(scene, &Illuminant::D65, &bare).unwrap();

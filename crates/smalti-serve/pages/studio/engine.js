@@ -9,7 +9,7 @@
 // `sensor.pixel.pitch_um` and `sensor.pixel.fill_factor`. That of the camera with which the page begins came with the page; that of another
 // lens takes seconds (`light`). `wavelengths_nm` of a design are those of this camera; a design with others is refused with a message that
 // names the key. Pictures have the size of the scene, whatever
-// `sensor.rows` and `sensor.cols` say. Pipelines are learned from statistics of light, which hold for a mosaic without crosstalk and binning.
+// `sensor.rows` and `sensor.cols` say. Pipelines are learned from statistics of light or from patches, for a mosaic without crosstalk and binning.
 import { Bench, Latest, again } from "./bench.js";
 import { fetched, inflated } from "./fetched.js";
 import { Lights, START } from "./lights.js";
@@ -209,9 +209,10 @@ export class Engine {
   }
 
   /**
-   * What a design makes of a scene at a mean luminance, with the pipeline that is learned for it from statistics of light. Without
-   * `crop`, the whole scene; with it, the same pixels of the same picture. `measure` asks for scores and the map of differences, which take longer than the picture. Resolves to
-   * null when a newer call has taken its place. Rejects with a message that names the key when the design is impossible.
+   * What a design makes of a scene at a mean luminance, with the pipeline that is learned for it. Without `crop`, the whole scene; with it, the same
+   * pixels of the same picture. `measure` asks for scores and the map of differences, with a pipeline that is learned at several exposures, all of which
+   * take longer than the picture with a pipeline from statistics of light. Resolves to null when a newer call has taken its place. Rejects with a
+   * message that names the key when the design is impossible.
    * @param {{ design: Design, scene: string, luminance: number, crop?: Crop, measure?: boolean, noise?: boolean, seed?: number }} wanted
    * @returns {Promise<Picture | null>}
    */
@@ -221,7 +222,7 @@ export class Engine {
       const lens = await this.#supply(this.#pictures, design, ["training", { scene }]);
       const key = JSON.stringify([scene, crop ?? null, lens]);
       const hasReference = this.#references.has(key);
-      const request = { design, lens, scene, luminance_cd_m2: luminance, crop, measure, noise, seed, reference: !hasReference };
+      const request = { design, lens, scene, luminance_cd_m2: luminance, crop, measure, thorough: measure, noise, seed, reference: !hasReference };
       const { said, bytes } = await this.#pictures.ask("draw", request);
       const pixels = 4 * said.width * said.height;
       const rgba = new Uint8ClampedArray(bytes, 0, pixels);
@@ -241,7 +242,7 @@ export class Engine {
    */
   difference(design, other, scene, luminance) {
     return this.#latestPicture.run(async () => {
-      const request = async (/** @type {Design} */ of) => ({ design: of, lens: await this.#supply(this.#pictures, of, ["training", { scene }]), scene, luminance_cd_m2: luminance, seed: SEED });
+      const request = async (/** @type {Design} */ of) => ({ design: of, lens: await this.#supply(this.#pictures, of, ["training", { scene }]), scene, luminance_cd_m2: luminance, seed: SEED, thorough: true });
       const [picture, rival] = [await request(design), await request(other)];
       const { bytes } = await this.#pictures.ask("difference", { picture, other: rival });
       return new Float32Array(bytes);

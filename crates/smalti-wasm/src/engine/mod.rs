@@ -190,7 +190,8 @@ impl Engine {
         if self.learned.as_ref().is_none_or(|known| known.key != key) {
             let description = cameras::from_json(request.design.clone())?;
             let learner = self.lens_mut(&request.lens)?.learner()?;
-            let design = learner.learn(&description, request.luminance_cd_m2, request.seed)?;
+            let (luminance, seed) = (request.luminance_cd_m2, request.seed);
+            let design = learner.learn(&description, luminance, seed, request.effort())?;
             self.learned = Some(Learned { key, design });
         }
         Answer::of(&json!({}))

@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 use serde_json::Value;
-use smalti::design::live::{LiveCrop, LiveFamily, LiveLocks};
+use smalti::design::live::{LiveCrop, LiveEffort, LiveFamily, LiveLocks};
 use smalti::design::search::{FilterSpace, FreeCurves};
 use smalti::sensor::NoiseMode;
 
@@ -73,6 +73,9 @@ pub(super) struct DrawRequest {
     pub(super) seed: u64,
     #[serde(default)]
     pub(super) reference: bool,
+    /// Whether the pipeline is learned at several exposures, which takes longer.
+    #[serde(default)]
+    pub(super) thorough: bool,
 }
 
 #[derive(Debug, Deserialize)]
@@ -91,9 +94,14 @@ impl DrawRequest {
         if self.noise { NoiseMode::All } else { NoiseMode::None }
     }
 
+    pub(super) fn effort(&self) -> LiveEffort {
+        if self.thorough { LiveEffort::Thorough } else { LiveEffort::Quick }
+    }
+
     /// What a pipeline depends on.
     pub(super) fn design_key(&self) -> String {
-        format!("{} {} {} {}", self.lens, self.luminance_cd_m2.to_bits(), self.seed, self.design)
+        let Self { lens, luminance_cd_m2, seed, thorough, design, .. } = self;
+        format!("{lens} {} {seed} {thorough} {design}", luminance_cd_m2.to_bits())
     }
 
     /// What a picture depends on.
@@ -135,7 +143,17 @@ impl From<TableRequest> for DrawRequest {
 
 impl From<RawRequest> for DrawRequest {
     fn from(RawRequest { design, lens, scene, luminance_cd_m2, noise, seed }: RawRequest) -> Self {
-        Self { design, lens, scene, luminance_cd_m2, crop: None, noise, seed, reference: false }
+        Self {
+            design,
+            lens,
+            scene,
+            luminance_cd_m2,
+            crop: None,
+            noise,
+            seed,
+            reference: false,
+            thorough: true,
+        }
     }
 }
 

@@ -19,8 +19,23 @@ use crate::camera::{Camera, CameraError, OpticalImages};
 use crate::l3::{Pair, Pipeline, Statistics, Training};
 use crate::numeric::Planes;
 use crate::scene::{self, Setting, macbeth};
-use crate::sensor::{Cfa, Mosaic, NoiseMode, PixelSpectra};
+use crate::sensor::{Cfa, Exposure, Mosaic, NoiseMode, PixelSpectra};
 use crate::spectrum::Observer;
+
+/// Number of exposures of [`PipelineTrainer::thorough_pipeline`], and their ratio. Pictures have parts that are darker and brighter than the
+/// training scene.
+const EXPOSURES: i32 = 9;
+const EXPOSURE_RATIO: f64 = 2.0;
+/// The response of white at the longest of them, relative to saturation, and the limits of that exposure relative to that of the design.
+const OVEREXPOSED: f64 = 3.0;
+const LONGEST: [f64; 2] = [2.0, 10.0];
+/// Levels of its pipelines, and the range of their cuts relative to the response to white.
+pub(super) const THOROUGH_LEVELS: usize = 8;
+const THOROUGH_RANGE: [f64; 2] = [0.01, 2.0];
+/// Largest cut, relative to saturation.
+const HIGHEST_CUT: f64 = 0.85;
+/// Number of patches that a uniform surface counts for at each of its exposures.
+const THOROUGH_SURFACE_PATCHES: u32 = 64;
 
 /// Trains the pipeline of any colour filter array on one camera. It keeps everything that does not depend on the filters.
 #[derive(Debug, Clone)]
@@ -91,7 +106,7 @@ impl PipelineTrainer {
         let design = self.data.exposed(cfa)?;
         let pipeline = match &self.from_light {
             Some(trainer) => trainer.pipeline(&self.data, &design)?,
-            None => self.patch_pipeline(&design)?,
+            None => self.patch_pipeline(&design, &[1.0], SURFACE_PATCHES)?,
         };
         let reach = pipeline.reach();
         Ok((pipeline, reach))
@@ -106,15 +121,34 @@ impl PipelineTrainer {
         let design = self.data.exposed(cfa)?;
         match self.from_light.as_ref().map(|trainer| trainer.pipeline(&self.data, &design)) {
             None | Some(Err(CameraError::TrainingSaturates { .. })) => {
-                Ok((self.patch_pipeline(&design)?, LearningStatistics::Patches))
+                Ok((self.patch_pipeline(&design, &[1.0], SURFACE_PATCHES)?, LearningStatistics::Patches))
             }
             Some(learned) => Ok((learned?, LearningStatistics::Light)),
         }
     }
 
-    fn patch_pipeline(&self, design: &ExposedDesign) -> Result<Pipeline, CameraError> {
+    /// A pipeline that is learned from patches at several exposures, from the dark up to saturation. It takes a few hundredths of a second.
+    pub(super) fn thorough_pipeline(&self, cfa: &Cfa) -> Result<Pipeline, CameraError> {
+        let nominal = self.data.exposed(cfa)?;
+        let cells = cfa.mosaic().cells();
+        let white = cells.iter().filter_map(|&c| nominal.white.get(usize::from(c)));
+        let mean = white.sum::<f64>() / cells.len().max(1) as f64;
+        let [least, most] = THOROUGH_RANGE;
+        let most = most.min(HIGHEST_CUT / mean);
+        let design = self.data.exposed_in(cfa, THOROUGH_LEVELS, [least.min(0.1 * most), most])?;
+        let longest = (OVEREXPOSED / design.full).clamp(LONGEST[0], LONGEST[1]);
+        let exposures: Vec<f64> = (0..EXPOSURES).map(|i| longest / EXPOSURE_RATIO.powi(i)).collect();
+        self.patch_pipeline(&design, &exposures, THOROUGH_SURFACE_PATCHES)
+    }
+
+    fn patch_pipeline(
+        &self,
+        design: &ExposedDesign,
+        exposures: &[f64],
+        surface_patches: u32,
+    ) -> Result<Pipeline, CameraError> {
         let training = Training { solver: self.data.settings.solver, ..Training::default() };
-        Ok(training.solve(&self.statistics(design)?, String::new())?)
+        Ok(training.solve(&self.statistics(design, exposures, surface_patches)?, String::new())?)
     }
 
     /// Gathers what designs with a mosaic have in common, if it is not known yet. [`PipelineTrainer::pipeline`] does so when needed; doing
@@ -126,18 +160,27 @@ impl PipelineTrainer {
         self.from_light.as_ref().map_or(Ok(()), |trainer| trainer.prepare(&self.data, mosaic))
     }
 
-    /// The moments of the patches of a capture by a design.
-    fn statistics(&self, design: &ExposedDesign) -> Result<Statistics, CameraError> {
+    /// The moments of the patches of captures by a design, at exposures relative to its own.
+    fn statistics(
+        &self,
+        design: &ExposedDesign,
+        exposures: &[f64],
+        surface_patches: u32,
+    ) -> Result<Statistics, CameraError> {
         let (ExposedDesign { camera, exposure, scale, full, axes, .. }, data) = (design, &self.data);
         let outputs = ["X", "Y", "Z"].map(String::from).to_vec();
         let mut statistics = Statistics::new(axes.clone(), outputs, false)?;
-        let raw = camera.sensor.capture_ideal(&*data.pixels, exposure)?;
-        let seen = camera.sensor.capture(&*data.pixels, exposure, NoiseMode::All, data.seed)?;
-        let mut target = Planes::clone(&data.seen);
-        target.data_mut().iter_mut().for_each(|v| *v *= *scale as f32);
-        statistics.add(&Pair { raw: &raw, seen: Some(&seen), target: &target })?;
-        for (radiance, xyz) in &*data.surfaces {
-            statistics.add_even(&design.samples(radiance), &xyz.map(|v| v * full), SURFACE_PATCHES)?;
+        for (seed, factor) in (data.seed..).zip(exposures) {
+            let exposure = Exposure { time_s: exposure.time_s * factor, ..*exposure };
+            let raw = camera.sensor.capture_ideal(&*data.pixels, &exposure)?;
+            let seen = camera.sensor.capture(&*data.pixels, &exposure, NoiseMode::All, seed)?;
+            let mut target = Planes::clone(&data.seen);
+            target.data_mut().iter_mut().for_each(|v| *v *= (scale * factor) as f32);
+            statistics.add(&Pair { raw: &raw, seen: Some(&seen), target: &target })?;
+            for (radiance, xyz) in &*data.surfaces {
+                let samples: Vec<f64> = design.samples(radiance).iter().map(|v| v * factor).collect();
+                statistics.add_even(&samples, &xyz.map(|v| v * full * factor), surface_patches)?;
+            }
         }
         Ok(statistics)
     }

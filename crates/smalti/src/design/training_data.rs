@@ -106,6 +106,16 @@ impl TrainingData {
 
     /// The exposure of a design for the chart, and the classes of its samples.
     pub(super) fn exposed(&self, cfa: &Cfa) -> Result<ExposedDesign, CameraError> {
+        self.exposed_in(cfa, self.settings.levels, LEVEL_RANGE)
+    }
+
+    /// The same with a number of levels, whose cuts lie in a range relative to the mean response to white.
+    pub(super) fn exposed_in(
+        &self,
+        cfa: &Cfa,
+        levels: usize,
+        range: [f64; 2],
+    ) -> Result<ExposedDesign, CameraError> {
         let (_, exposure) = self.chart.with_cfa(cfa)?;
         let camera = self.camera.with_cfa(cfa.clone());
         let y = &Observer::Cie1931.photon_weights(camera.grid())?[LUMINANCE];
@@ -117,20 +127,20 @@ impl TrainingData {
         let full = scale * self.white_y;
         let white: Vec<f64> = white.iter().map(|w| (w / brightest).max(MIN_WHITE) * full).collect();
         let noise = camera.sensor.signal_noise(&exposure)?;
-        let axes = Axes::new(cfa.mosaic().clone(), self.settings.side, self.levels(cfa, &white)?, noise)?
+        let levels = level_cuts(cfa, &white, levels, range)?;
+        let axes = Axes::new(cfa.mosaic().clone(), self.settings.side, levels, noise)?
             .with_levels_by_position(&white)?
             .with_textures(self.settings.textures);
         Ok(ExposedDesign { camera, exposure, scale, responsivities, brightest, full, white, axes })
     }
+}
 
-    /// Cuts in equal ratios of the mean response over the tile.
-    fn levels(&self, cfa: &Cfa, white: &[f64]) -> Result<Levels, L3Error> {
-        let cells = cfa.mosaic().cells();
-        let sum: f64 = cells.iter().filter_map(|&c| white.get(usize::from(c))).sum();
-        let mean = sum / cells.len().max(1) as f64;
-        let [least, most] = LEVEL_RANGE;
-        let cuts = self.settings.levels.saturating_sub(1);
-        let cut = |i: usize| (mean * least * libm::pow(most / least, (i as f64 + 0.5) / cuts as f64)) as f32;
-        Levels::new((0..cuts).map(cut).collect())
-    }
+/// Cuts in equal ratios, in a range relative to the mean response to white over the tile.
+fn level_cuts(cfa: &Cfa, white: &[f64], levels: usize, [least, most]: [f64; 2]) -> Result<Levels, L3Error> {
+    let cells = cfa.mosaic().cells();
+    let sum: f64 = cells.iter().filter_map(|&c| white.get(usize::from(c))).sum();
+    let mean = sum / cells.len().max(1) as f64;
+    let cuts = levels.saturating_sub(1);
+    let cut = |i: usize| (mean * least * libm::pow(most / least, (i as f64 + 0.5) / cuts as f64)) as f32;
+    Levels::new((0..cuts).map(cut).collect())
 }

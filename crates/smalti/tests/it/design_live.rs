@@ -7,7 +7,9 @@ use smalti::camera::{
     score_picture,
 };
 use smalti::color::Image;
-use smalti::design::live::{LiveCrop, LiveLearner, LivePictures, LiveScene, LiveSetup, LiveTraining};
+use smalti::design::live::{
+    LiveCrop, LiveEffort, LiveLearner, LivePictures, LiveScene, LiveSetup, LiveTraining,
+};
 use smalti::design::screen::{Screen, ScreenCondition, ScreenTime};
 use smalti::design::search::{FilterSpace, FreeCurves, Improvement, Locks, Objective};
 use smalti::design::{
@@ -96,7 +98,7 @@ fn as_in_a_study(bare: CameraDescription, luminance_cd_m2: f64, statistics: Lear
     let pattern = PatternDescription::Letters(vec!["bc".into(), "ab".into()]);
     let mut description = bare;
     description.sensor.cfa = CfaDescription { pattern, filters, ..CfaDescription::default() };
-    let design = learner.learn(&description, luminance_cd_m2, study.seed).unwrap();
+    let design = learner.learn(&description, luminance_cd_m2, study.seed, LiveEffort::Quick).unwrap();
     let found = pictures.picture(&design, None, NoiseMode::All, study.seed).unwrap();
     assert_eq!(viewed(&found.picture).len(), expected.len());
     assert!(viewed(&found.picture) == expected);
@@ -108,7 +110,7 @@ fn as_in_a_study(bare: CameraDescription, luminance_cd_m2: f64, statistics: Lear
 fn pictures_and_references_are_those_of_the_simulation() {
     let (scene, training) = light(&camera());
     let (mut learner, mut pictures) = live(scene, training);
-    let design = learner.learn(&camera(), LUMINANCE, 1).unwrap();
+    let design = learner.learn(&camera(), LUMINANCE, 1, LiveEffort::Quick).unwrap();
     let found = pictures.picture(&design, None, NoiseMode::None, 1).unwrap();
     let scores = pictures.scores(&found).unwrap();
     // The same without statistics of components.
@@ -131,7 +133,7 @@ fn pictures_and_references_are_those_of_the_simulation() {
 fn resolution_and_noise_are_those_of_an_evaluation() {
     let (_, training) = light(&camera());
     let mut learner = LiveLearner::new(training).unwrap();
-    let design = learner.learn(&camera(), LUMINANCE, 1).unwrap();
+    let design = learner.learn(&camera(), LUMINANCE, 1, LiveEffort::Quick).unwrap();
     let found = learner.targets(&design, 1).unwrap();
     let settings = EvaluationSettings {
         luminance_cd_m2: LUMINANCE,
@@ -167,7 +169,7 @@ fn a_part_is_that_of_the_whole_bit_for_bit() {
         description.sensor.cfa.pattern =
             PatternDescription::Letters(pattern.iter().map(|l| (*l).into()).collect());
         description.sensor.cfa.filters = "RGB".chars().map(name).collect();
-        let design = learner.learn(&description, LUMINANCE, 7).unwrap();
+        let design = learner.learn(&description, LUMINANCE, 7, LiveEffort::Quick).unwrap();
         let whole = pictures.picture(&design, None, NoiseMode::All, 7).unwrap();
         let LiveCrop { cols: width, .. } = pictures.whole();
         for crop in [[0, 0, 11, 72], [13, 17, 20, 33], [47, 71, 1, 1], [31, 5, 17, 67]] {
@@ -182,7 +184,7 @@ fn a_part_is_that_of_the_whole_bit_for_bit() {
         }
     }
     let outside = LiveCrop { row: 40, col: 0, rows: 9, cols: 1 };
-    let design = learner.learn(&camera(), LUMINANCE, 7).unwrap();
+    let design = learner.learn(&camera(), LUMINANCE, 7, LiveEffort::Quick).unwrap();
     let message = pictures.picture(&design, Some(outside), NoiseMode::All, 7).unwrap_err().to_string();
     assert!(message.contains("crop") && message.contains("48 × 72"), "{message}");
 }
@@ -194,7 +196,7 @@ fn keys_that_are_not_live_are_named() {
     let mut refused = |change: &dyn Fn(&mut CameraDescription)| {
         let mut description = camera();
         change(&mut description);
-        learner.learn(&description, LUMINANCE, 1).unwrap_err().to_string()
+        learner.learn(&description, LUMINANCE, 1, LiveEffort::Quick).unwrap_err().to_string()
     };
     assert!(refused(&|d| d.sensor.pixel.pitch_um = 1.1).contains("sensor.pixel.pitch_um"));
     assert!(refused(&|d| d.sensor.pixel.fill_factor = 0.9).contains("sensor.pixel.fill_factor"));
@@ -205,13 +207,16 @@ fn keys_that_are_not_live_are_named() {
     let mut free = |change: &dyn Fn(&mut CameraDescription)| {
         let mut description = camera();
         change(&mut description);
-        learner.learn(&description, LUMINANCE, 1).unwrap();
+        learner.learn(&description, LUMINANCE, 1, LiveEffort::Quick).unwrap();
     };
     free(&|d| d.sensor.quantum_efficiency = Filter::Flat(0.4));
     free(&|d| d.optics.ir_cut = None);
     free(&|d| d.sensor.pixel.read_noise_mv = 3.0);
     free(&|d| d.exposure.time_ms = None);
-    assert!(learner.learn(&camera(), f64::NAN, 1).is_err() && learner.learn(&camera(), 0.0, 1).is_err());
+    assert!(
+        learner.learn(&camera(), f64::NAN, 1, LiveEffort::Quick).is_err()
+            && learner.learn(&camera(), 0.0, 1, LiveEffort::Quick).is_err()
+    );
 }
 
 #[test]
@@ -260,7 +265,7 @@ fn without_an_edge_the_other_figures_remain() {
     blurred.sensor.pixel.pitch_um = 0.01;
     let (_, training) = light(&blurred);
     let mut learner = LiveLearner::new(training).unwrap();
-    let design = learner.learn(&blurred, 1e5, 1).unwrap();
+    let design = learner.learn(&blurred, 1e5, 1, LiveEffort::Quick).unwrap();
     let found = learner.targets(&design, 1).unwrap();
     assert_eq!((found.mtf50_cy_per_px, found.mtf50_low_contrast_cy_per_mm), (None, None));
     let reason = found.no_mtf50.unwrap();

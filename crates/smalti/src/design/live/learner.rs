@@ -12,7 +12,7 @@ use crate::camera::stable_text::stable_text;
 use crate::camera::{Camera, CameraError};
 use crate::design::latest::keep_latest;
 use crate::design::learning_settings::{LearningSettings, LearningStatistics};
-use crate::design::pipeline_trainer::PipelineTrainer;
+use crate::design::pipeline_trainer::{PipelineTrainer, THOROUGH_LEVELS};
 use crate::design::pixel_light::PixelLight;
 use crate::design::targets::has_independent_samples;
 use crate::design::training_data::TrainingLight;
@@ -24,6 +24,18 @@ use crate::spectrum::{Observer, Spectrum};
 /// Conditions whose training data are kept, about 10 MB each.
 const KEPT: usize = 4;
 
+/// How pipelines are learned.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum LiveEffort {
+    /// As those of studies, in a millisecond where the mosaic is known: from statistics of light at the exposure of the design, or from patches
+    /// where the training scene saturates it.
+    Quick,
+    /// From patches at several exposures, from the dark up to saturation. Scores of pictures are nearer to those of pipelines that are learned from
+    /// all training scenes.
+    #[default]
+    Thorough,
+}
+
 /// A design under a light, with the pipeline that was learned for it.
 #[derive(Debug, Clone)]
 pub struct LiveDesign {
@@ -33,6 +45,7 @@ pub struct LiveDesign {
     pub(super) pipeline: Pipeline,
     pub(super) luminance_cd_m2: f64,
     learned_from: LearningStatistics,
+    effort: LiveEffort,
     /// Seed of the noise in which patches were classified.
     seed: u64,
 }
@@ -130,7 +143,8 @@ impl LiveLearner {
 
     /// Learns the pipeline of a design for scenes of a mean luminance. `seed` is that of the noise in which patches are classified.
     ///
-    /// A design that the training scene saturates is learned from the patches of its capture: statistics of light do not describe clipping. This takes longer.
+    /// With quick effort, a design that the training scene saturates is learned from the patches of its capture: statistics of light do not describe
+    /// clipping. This takes longer.
     ///
     /// # Errors
     /// When the design is invalid or does not fit the setup, or its filters pass no light.
@@ -139,6 +153,7 @@ impl LiveLearner {
         description: &CameraDescription,
         luminance_cd_m2: f64,
         seed: u64,
+        effort: LiveEffort,
     ) -> Result<LiveDesign, CameraError> {
         if !(luminance_cd_m2 > 0.0 && luminance_cd_m2.is_finite()) {
             let message = format!("{luminance_cd_m2}; expected a number above 0");
@@ -147,8 +162,12 @@ impl LiveLearner {
         let camera = self.camera(description)?;
         let lens = camera.optics.transmittance_on(camera.grid())?;
         let trainer = self.trainer(&camera, &lens, luminance_cd_m2, seed)?;
-        let (pipeline, learned_from) = trainer.pipeline_in_any_light(&camera.sensor.cfa)?;
-        Ok(LiveDesign { camera, lens, pipeline, luminance_cd_m2, learned_from, seed })
+        let cfa = &camera.sensor.cfa;
+        let (pipeline, learned_from) = match effort {
+            LiveEffort::Quick => trainer.pipeline_in_any_light(cfa)?,
+            LiveEffort::Thorough => (trainer.thorough_pipeline(cfa)?, LearningStatistics::Patches),
+        };
+        Ok(LiveDesign { camera, lens, pipeline, luminance_cd_m2, learned_from, effort, seed })
     }
 
     /// The pipeline of a design that was learned here, to be kept in a file: with its white point, and with a provenance that states how
@@ -157,14 +176,18 @@ impl LiveLearner {
     /// # Errors
     /// When the illuminant does not lie on the wavelengths of the setup.
     pub fn table(&self, design: &LiveDesign) -> Result<Pipeline, CameraError> {
-        let LiveDesign { camera, pipeline, luminance_cd_m2, learned_from, seed, .. } = design;
+        let LiveDesign { camera, pipeline, luminance_cd_m2, learned_from, effort, seed, .. } = design;
         let LiveSetup { illuminant, learning, .. } = &self.setup;
-        let learning = LearningSettings { statistics: *learned_from, ..learning.clone() };
+        let mut learning = LearningSettings { statistics: *learned_from, ..learning.clone() };
+        if *effort == LiveEffort::Thorough {
+            learning.levels = THOROUGH_LEVELS;
+        }
         let provenance = stable_text(&Provenance {
             smalti_version: env!("CARGO_PKG_VERSION"),
-            learned_in: match learned_from {
-                LearningStatistics::Light => "the studio, from statistics of light",
-                LearningStatistics::Patches => "the studio, from patches",
+            learned_in: match (effort, learned_from) {
+                (LiveEffort::Thorough, _) => "the studio, from patches at several exposures",
+                (_, LearningStatistics::Light) => "the studio, from statistics of light",
+                (_, LearningStatistics::Patches) => "the studio, from patches",
             },
             camera: camera.description(),
             illuminant: illuminant.name(),

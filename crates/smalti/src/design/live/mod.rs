@@ -14,7 +14,7 @@ mod targets;
 pub use improvement::{
     FoundChannel, LiveFamily, LiveLockError, LiveLocks, live_conditions, live_objective, with_array,
 };
-pub use learner::{LiveDesign, LiveLearner};
+pub use learner::{LiveDesign, LiveEffort, LiveLearner};
 pub use pictures::{LiveCrop, LivePicture, LivePictures};
 pub use setup::{LiveScene, LiveSetup, LiveTraining};
 pub use targets::LiveTargetScores;
