@@ -1,7 +1,8 @@
 // @ts-check
 // The mosaic: cells that are painted with the pointer or the keyboard, the palette, size, symmetry and templates.
-import { announce, byId, make } from "./dom.js";
-import { MAX_SIDE, addFilter, images, letterAt, letters, paint, removeFilter, resize, share, size, withMosaic } from "./design.js";
+import { announce, byId, make, tell } from "./dom.js";
+import { MAX_SIDE, addFilter, images, letterAt, letters, paint, removeFilter, resize, share, size } from "./design.js";
+import { withMosaic } from "./exchange.js";
 
 /** @typedef {import("./store.js").Store} Store */
 /** @typedef {import("./engine.js").Engine} Engine */
@@ -151,7 +152,9 @@ export function setUpMosaic(store, catalogue, colors) {
     const chosen = plain.find(({ name }) => name === template.value);
     template.value = "";
     if (!chosen) return;
-    store.change(withMosaic(store.camera, chosen.tile, chosen.filters), `the mosaic ${chosen.name}`);
+    const { camera, origin, generic } = withMosaic(catalogue, store.camera, store.origin, chosen);
+    store.change(camera, `the mosaic ${chosen.name}`, undefined, origin);
+    if (generic.length > 0) tell(`${origin.base.name} has curves of its own and none for ${generic.join(", ")}. The generic ${generic.length === 1 ? "filter" : "filters"} of the catalogue ${generic.length === 1 ? "is" : "are"} taken.`);
     announce(`${chosen.name}: ${chosen.tile.length} rows, ${chosen.tile[0].length} columns, ${letters(store.camera).length} filters`);
   });
 
@@ -200,7 +203,7 @@ export function setUpMosaic(store, catalogue, colors) {
     remove.title = `Remove filter ${store.selected}`;
     if (hadFocus) /** @type {HTMLElement | null} */ (palette.querySelector(`[data-letter="${CSS.escape(hadFocus)}"]`))?.focus();
   }
-  palette.after(make("div", { class: "palette-more" }, add, remove));
+  byId("palette-more", HTMLDivElement).append(add, remove);
 
   function show() {
     const [rows, cols] = size(store.camera);
