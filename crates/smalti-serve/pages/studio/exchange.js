@@ -81,11 +81,11 @@ export function originOf(catalogue, design) {
 }
 
 /**
- * A design with another mosaic of the catalogue. Its filters are those that `CAMERA@MOSAIC` has for the camera that was opened, and those of the catalogue where the
- * camera has none. Filters that were changed by hand replace those of the same kind; sensor, lens and a name that was given by hand stay. `generic` has the letters whose
- * filters of the catalogue stand beside measured ones of the camera, which the command refuses.
+ * A design with another mosaic of the catalogue. Its filters are those that `CAMERA@MOSAIC` has for the camera that was opened. Filters that were changed by hand replace
+ * those of the same kind; sensor, lens and a name that was given by hand stay. `missing` has the letters for which a camera with curves of its own has no filter: it cannot
+ * have this mosaic.
  * @param {Catalogue} catalogue @param {Camera} camera @param {Origin} origin @param {Catalogue["cfas"][number]} mosaic
- * @returns {{ camera: Camera, origin: Origin, generic: string[] }}
+ * @returns {{ camera: Camera, origin: Origin, missing: string[] }}
  */
 export function withMosaic(catalogue, camera, origin, { name, tile, filters }) {
   const { base } = origin;
@@ -103,13 +103,14 @@ export function withMosaic(catalogue, camera, origin, { name, tile, filters }) {
   /** @type {[Record<string, Filter>, Record<string, Filter>]} */
   const [given, kept] = [{}, {}];
   /** @type {string[]} */
-  const generic = [];
+  const missing = [];
   for (const [letter, filter] of Object.entries(/** @type {Record<string, any>} */ (filters))) {
     kinds[letter] = kindOf(filter.builtin);
     const found = serving(own, letter, kinds[letter])?.filter;
-    if (!found && !isGeneric) generic.push(letter);
+    const byHand = serving(changed, letter, kinds[letter])?.filter;
+    if (!found && !byHand && !isGeneric) missing.push(letter);
     given[letter] = found && !isSame(found, filter) ? found : filter;
-    kept[letter] = serving(changed, letter, kinds[letter])?.filter ?? given[letter];
+    kept[letter] = byHand ?? given[letter];
   }
   const isOwn = mosaicOf(catalogue, base)?.name === name;
   const first = (base.name ?? "").replace(/@([^@]+)$/, (end, last) => (catalogue.cfas.some((c) => c.name === last) ? "" : end));
@@ -117,7 +118,7 @@ export function withMosaic(catalogue, camera, origin, { name, tile, filters }) {
   const made = withArray({ ...plain, name: isOwn ? base.name : `${first}@${name}` }, tile, given);
   const isNamed = camera.name !== origin.camera.name;
   const next = withArray(/** @type {Design} */ (withValue(camera, ["sensor", "cfa", "mixtures"], undefined)), tile, kept);
-  return { camera: { ...next, name: isNamed ? camera.name : made.name }, origin: { base, camera: made, kinds, changed }, generic };
+  return { camera: { ...next, name: isNamed ? camera.name : made.name }, origin: { base, camera: made, kinds, changed }, missing };
 }
 
 /** A design under the name with which it is saved: a camera that was changed, and was not given a name, is no longer that camera. @param {Camera} camera @param {Origin} origin @returns {Camera} */

@@ -13,7 +13,7 @@ export function save(name, content) {
 
 /** A name for files: letters without accents and digits, of any script. @param {string} name @param {string} extension */
 export function fileName(name, extension) {
-  const plain = name.normalize("NFKD").replace(/[\u0300-\u036f]/g, "").replace(/[^\p{L}\p{M}\p{N}]+/gu, "-").replace(/^-+|-+$/g, "").toLowerCase();
+  const plain = name.normalize("NFKD").replace(/[\u0300-\u036f]/g, "").normalize("NFC").replace(/[^\p{L}\p{M}\p{N}]+/gu, "-").replace(/^-+|-+$/g, "").toLowerCase();
   return `${plain || "camera"}.${extension}`;
 }
 

@@ -152,9 +152,12 @@ export function setUpMosaic(store, catalogue, colors) {
     const chosen = plain.find(({ name }) => name === template.value);
     template.value = "";
     if (!chosen) return;
-    const { camera, origin, generic } = withMosaic(catalogue, store.camera, store.origin, chosen);
+    const { camera, origin, missing } = withMosaic(catalogue, store.camera, store.origin, chosen);
+    if (missing.length > 0) {
+      const filters = missing.length === 1 ? `a filter for ${missing[0]}` : `filters for ${missing.join(", ")}`;
+      return tell(`${chosen.name} needs ${filters}, and ${origin.base.name} has curves of its own, which the generic filters of the catalogue do not fit. Add filters and paint with them, or start from another camera preset.`, "trouble");
+    }
     store.change(camera, `the mosaic ${chosen.name}`, undefined, origin);
-    if (generic.length > 0) tell(`${origin.base.name} has curves of its own and none for ${generic.join(", ")}. The generic ${generic.length === 1 ? "filter" : "filters"} of the catalogue ${generic.length === 1 ? "is" : "are"} taken.`);
     announce(`${chosen.name}: ${chosen.tile.length} rows, ${chosen.tile[0].length} columns, ${letters(store.camera).length} filters`);
   });
 

@@ -111,6 +111,9 @@ export class Native {
   }
 }
 
+/** A design as text, whatever its name is. @param {Design | undefined} design */
+export const contentOf = (design) => JSON.stringify({ ...design, name: undefined });
+
 /**
  * A line above a result, which shows once the result is out of date. `of` is the text of what the result depends on, `onChange` calls whenever it may be another one.
  * @param {string} text @param {() => string} of @param {(work: () => void) => void} onChange @returns {{ line: HTMLElement, stamp: (made: string | undefined) => void }}
@@ -224,8 +227,8 @@ export async function setUpNative(shown, onChange) {
   const button = (/** @type {string} */ label, /** @type {() => void} */ click) => make("button", { type: "button", "data-job": "", click }, label);
   const verdict = make("pre", { class: "verdict", hidden: true });
   const picture = make("figure", { class: "full", hidden: true });
-  const ofPicture = () => JSON.stringify(shown().camera);
-  const ofReport = () => JSON.stringify([shown().camera, shown().pinned]);
+  const ofPicture = () => contentOf(shown().camera);
+  const ofReport = () => [shown().camera, shown().pinned].map(contentOf).join();
   const verdictAge = outdated("the design or the pinned design has changed since this report.", ofReport, onChange);
   const pictureAge = outdated("the design has changed since this picture.", ofPicture, onChange);
   place.append(

@@ -3,7 +3,7 @@
 import { byId, make } from "./dom.js";
 import { fileName, save } from "./files.js";
 import { familyOf } from "./improve.js";
-import { outdated } from "./native.js";
+import { contentOf, outdated } from "./native.js";
 import { signed, text } from "./scores.js";
 
 /**
@@ -47,7 +47,7 @@ export async function setUpSweep(connecting, shown) {
   const light = make("select", {},
     make("option", { value: "range" }, "1, 10 and 100 cd/m²"), make("option", { value: "wide" }, "0.1 to 1000 cd/m²"), make("option", { value: "here" }, "this light"));
   const found = make("figure", { hidden: true });
-  const ofSweep = () => JSON.stringify(shown().camera);
+  const ofSweep = () => contentOf(shown().camera);
   const age = outdated("the design has changed since this sweep.", ofSweep, native.onChange);
   async function sweep() {
     const { camera, luminance } = shown();
