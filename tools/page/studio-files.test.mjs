@@ -153,6 +153,9 @@ test("a sweep over light and tolerances is shown as a table and saved as CSV", a
   assert.ok(Math.abs(Number(csv[1].split(",")[3]) - cpsnr) < 0.006, csv[1]);
   assert.ok(!(await table.innerText()).includes("−0.00 "), "zero has no sign");
   assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth));
+  assert.equal(await panel.locator(".outdated:visible").count(), 0);
+  await page.getByLabel("Read noise").fill("9");
+  await panel.getByText("Out of date: the design has changed since this sweep.").waitFor();
   await picture(page, "sweep");
   assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth));
   assert.deepEqual(await axe(page), []);

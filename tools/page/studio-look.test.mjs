@@ -88,6 +88,21 @@ test("nothing moves when a shape with more fields is chosen and when lists are o
   await close();
 });
 
+test("that there are no warnings is said once the picture and the figures are known", async () => {
+  const { page, faults, close } = await open({}, undefined, (p) => p.addInitScript(() => {
+    window.early = [];
+    new MutationObserver(() => {
+      const said = document.querySelector("#warnings summary")?.textContent;
+      const values = [...document.querySelectorAll(".tile .value")].map((e) => e.textContent);
+      if (said && (values.length === 0 || values.includes("–"))) window.early.push(said);
+    }).observe(document, { childList: true, subtree: true, characterData: true });
+  }));
+  assert.equal(await page.locator("#warnings summary").textContent(), "No warnings");
+  assert.deepEqual(await page.evaluate(() => window.early), []);
+  assert.deepEqual(faults, []);
+  await close();
+});
+
 test("no letter of a filter lies on another one, and no curve crosses it", async () => {
   const { page, faults, close } = await open();
   for (const mosaic of ["rgbw", "rgbcmy", "bayer"]) {

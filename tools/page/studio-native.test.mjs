@@ -70,6 +70,14 @@ test("heavy work goes to the native library, can be cancelled, and its files ope
   const [report] = await Promise.all([page.waitForEvent("download", { timeout: 240_000 }), page.getByRole("button", { name: "Save report (HTML)" }).click()]);
   assert.equal(report.suggestedFilename(), "mine-report.html");
   await panel.getByText("The report is done. The file mine-report.html was downloaded.").waitFor();
+  // What was computed before a change of the design says so, until the change is undone.
+  const old = panel.locator(".outdated:visible");
+  assert.equal(await old.count(), 0, (await old.allTextContents()).join());
+  await page.getByLabel("Read noise").fill("4");
+  assert.deepEqual(await old.allTextContents(), ["Out of date: the design or the pinned design has changed since this report.", "Out of date: the design has changed since this picture."]);
+  await page.keyboard.press("Control+z");
+  await page.getByRole("button", { name: "Pin", exact: true }).click();
+  assert.deepEqual(await old.allTextContents(), ["Out of date: the design or the pinned design has changed since this report."]);
   const html = await readFile(await report.path(), "utf8");
   assert.match(html, /^<!doctype html>/i);
   assert.ok(html.includes("smalti compare again-1.toml again-2.toml --luminance 10 --scene photo-brushes"), "it states its command");

@@ -54,6 +54,7 @@ test("a shared address opens the same design, and the saved camera file is that 
   await other.page.locator("#file").setInputFiles(results([{ ...shown.description, name: "first" }, { ...rival, name: "second" }]));
   await other.page.waitForFunction(() => document.getElementById("name").value === "first");
   await other.page.locator("#pinned", { hasText: "Against the pinned second" }).waitFor();
+  assert.equal(await other.page.locator("#note").textContent(), "first is open, and second is pinned for comparison.");
   await other.page.locator("#file").setInputFiles(results([]));
   await other.page.locator("#message[data-kind=trouble]", { hasText: "it holds no camera" }).waitFor();
   await other.page.locator("#file").setInputFiles({ name: "red.csv", mimeType: "text/csv", buffer: Buffer.from("nm,percent\n400,0\n600,10\n610,90\n700,80\n") });
@@ -164,6 +165,8 @@ test("a photograph becomes a scene and stays in the browser; what is none is ref
   await page.getByRole("button", { name: "Fit" }).click();
   assert.notEqual(await pixels(page), begun);
   assert.equal(await page.locator("#scene option:checked").textContent(), "wall");
+  assert.equal((await saved(page, "Save picture as PNG")).name, "bayer-wall-10.png");
+  assert.equal(await page.evaluate(async () => (await import(new URL("files.js", document.baseURI))).fileName("bayer ../Café 東京 \u202e<b> 10", "dng")), "bayer-cafe-東京-b-10.dng");
   assert.ok(await score(page, "CPSNR") > 15);
   // Dropped, behind another lens too.
   await page.getByLabel("f-number").fill("2.8");
@@ -198,7 +201,7 @@ test("a photograph becomes a scene and stays in the browser; what is none is ref
   await close();
 });
 
-test("the exported folder works from any web server, and nothing moves while it starts", async () => {
+test("the exported folder works from any web server, and nothing moves while it or the served page starts", async () => {
   const other = await site(join(own.dir, "site"), "/deep/");
   const { page, faults, close } = await open({}, other.address);
   assert.deepEqual(await cells(page), ["RG", "GB"]);
@@ -212,14 +215,20 @@ test("the exported folder works from any web server, and nothing moves while it 
   await page.getByText("smalti train", { exact: true }).waitFor();
   assert.equal(await page.locator(".about p").innerText(), "Scores of the picture: one scene, one noise realisation (seed 1), no interval. Scores at full size (more pixels, more training scenes) and in the curves (expected over the training scenes) differ. smalti compare states intervals.");
   await page.getByText("File", { exact: true }).click();
-  const shift = await page.evaluate(() => new Promise((resolve) => {
-    let sum = 0;
-    new PerformanceObserver((list) => { for (const entry of list.getEntries()) sum += entry.value; }).observe({ type: "layout-shift", buffered: true });
-    setTimeout(() => resolve(sum), 300);
-  }));
-  assert.ok(shift < 0.1, `layout shift ${shift}`);
   assert.deepEqual(faults, []);
   await close();
+  for (const [width, height] of [[1440, 900], [390, 844], [360, 740]]) {
+    for (const address of [own.server.address, other.address]) {
+      const { page: fresh, close: end } = await open({ viewport: { width, height } }, address);
+      const shift = await fresh.evaluate(() => new Promise((resolve) => {
+        let sum = 0;
+        new PerformanceObserver((list) => { for (const entry of list.getEntries()) sum += entry.value; }).observe({ type: "layout-shift", buffered: true });
+        setTimeout(() => resolve(sum), 300);
+      }));
+      assert.ok(shift < 0.02, `layout shift ${shift} at ${width} × ${height}, ${address === other.address ? "exported" : "served"}`);
+      await end();
+    }
+  }
   other.end();
   // A browser runs no module from a file; the page then says what it needs.
   const file = await (await own.browser.newContext()).newPage();

@@ -7,7 +7,7 @@ import { tmpdir } from "node:os";
 import { extname, join, resolve } from "node:path";
 import { launch } from "./browser.mjs";
 
-const smalti = resolve(process.env.SMALTI ?? join(import.meta.dirname, "../../target/debug/smalti"));
+export const smalti = resolve(process.env.SMALTI ?? join(import.meta.dirname, "../../target/debug/smalti"));
 
 // Starts a browser and the server of `smalti studio bayer`, whose light is complete: the folder `site` is exported first, and leaves it in the cache.
 export async function studio() {

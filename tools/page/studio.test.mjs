@@ -305,18 +305,18 @@ test("pitch and f-number change the picture; the light is gathered once, and the
   await page.locator("#message[data-kind=trouble]").filter({ hasNotText: "expected 0.001" }).waitFor();
   // All that is of the state before says so: picture, scores and warnings.
   const opacity = (name) => page.locator(".tile", { has: page.getByText(name, { exact: true }) }).locator("dd").evaluate((e) => Number(getComputedStyle(e).opacity));
-  await page.locator("#caption", { hasText: /^Before the last change: / }).waitFor();
-  assert.match(await page.locator("#pinned").textContent(), /^Before the last change: /);
-  assert.match(await page.locator("#warnings summary").textContent(), /^Before the last change: /);
-  assert.match(await page.locator("#trouble").textContent(), /The picture and what is grey are those before the last change\.$/);
+  await page.locator("#caption", { hasText: /^Out of date: bayer, changed · / }).waitFor();
+  assert.equal(await page.locator("#pinned").textContent(), "Dimmed values are out of date.");
+  assert.match(await page.locator("#warnings summary").textContent(), /^Out of date: /);
+  assert.match(await page.locator("#trouble").textContent(), /The picture and the dimmed values are out of date\.$/);
   for (const name of ["CPSNR", "Noise", "Saturated"]) {
     assert.ok(await opacity(name) < 0.6, name);
-    assert.match(await page.locator(".tile", { has: page.getByText(name, { exact: true }) }).innerText(), /before the last change/);
+    assert.match(await page.locator(".tile", { has: page.getByText(name, { exact: true }) }).innerText(), /out of date/);
   }
   assert.equal(await page.locator("#light-curve svg path").count(), 0, "no curves of another design");
   await page.keyboard.press("Control+z");
   await settled(page);
-  for (const place of ["#caption", "#pinned", "#warnings summary"]) assert.doesNotMatch(await page.locator(place).textContent(), /Before/);
+  for (const place of ["#caption", "#pinned", "#warnings summary"]) assert.doesNotMatch(await page.locator(place).textContent(), /out of date/i);
   assert.equal(await opacity("CPSNR"), 1);
   assert.equal(await page.locator("#message").getAttribute("data-kind"), null);
   for (const id of ["fill-factor", "read-noise", "full-well", "gain", "time"]) assert.ok(await page.locator(`#${id}`).isEditable(), id);

@@ -105,13 +105,6 @@ export function removeFilter(camera, letter, instead) {
   return withCfa(camera, { filters, pattern: camera.sensor.cfa.pattern.map((line) => line.replaceAll(letter, instead)) });
 }
 
-/** Another mosaic with filters of its own; those of letters that the camera has stay. @param {Camera} camera @param {string[]} pattern @param {Record<string, Filter>} filters @returns {Camera} */
-export function withMosaic(camera, pattern, filters) {
-  const own = camera.sensor.cfa.filters;
-  const used = [...new Set(pattern.join(""))];
-  return withCfa(camera, { pattern, filters: Object.fromEntries(used.map((l) => [l, own[l] ?? filters[l]])), mixtures: undefined });
-}
-
 /** Another value at a path of keys; `undefined` removes the key. @template T @param {T} object @param {string[]} path @param {any} value @returns {T} */
 export function withValue(object, [key, ...rest], value) {
   const copy = /** @type {any} */ ({ ...object });

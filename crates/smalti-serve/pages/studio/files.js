@@ -11,9 +11,9 @@ export function save(name, content) {
   setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
 }
 
-/** A name for files. @param {string} name @param {string} extension */
+/** A name for files: letters without accents and digits, of any script. @param {string} name @param {string} extension */
 export function fileName(name, extension) {
-  const plain = name.normalize("NFKD").replace(/[^A-Za-z0-9]+/g, "-").replace(/^-+|-+$/g, "").toLowerCase();
+  const plain = name.normalize("NFKD").replace(/[\u0300-\u036f]/g, "").normalize("NFC").replace(/[^\p{L}\p{M}\p{N}]+/gu, "-").replace(/^-+|-+$/g, "").toLowerCase();
   return `${plain || "camera"}.${extension}`;
 }
 

@@ -1,6 +1,6 @@
 // @ts-check
 // The filters: their curves with handles, and the numbers of the one that is selected.
-import { announce, byId, draw, make, tell, textScale } from "./dom.js";
+import { announce, byId, draw, make, setOptions, tell, textScale } from "./dom.js";
 import { letters, withFilter } from "./design.js";
 import { filterOfCsv } from "./files.js";
 import { placeLabels } from "./labels.js";
@@ -273,8 +273,9 @@ export function setUpFilters(store, catalogue, curves) {
       });
     }
     if (shape === "builtin") {
-      const select = make("select", { change: () => change({ builtin: select.value }, "the curve") }, ...catalogue.filters.map((name) => make("option", { value: name }, name)));
-      refreshers.push(() => { select.value = own(); });
+      const select = make("select", { change: () => change({ builtin: select.value }, "the curve") });
+      // Bands of multispectral mosaics are built in without being listed.
+      refreshers.push(() => setOptions(select, [...new Set([...catalogue.filters, own()])].map((name) => /** @type {[string, string]} */ ([name, name])), own()));
       rows.push(make("label", { class: "field number" }, make("span", {}, "Curve"), select));
     }
     return rows;

@@ -3,6 +3,7 @@
 import { announce, atFrame, byId, make, setUpMessages, tell, untell } from "./dom.js";
 import { withValue } from "./design.js";
 import { Engine } from "./engine.js";
+import { inFull, originOf } from "./exchange.js";
 import { camerasOfResults, curvesCsv, fileName, save } from "./files.js";
 import { fetched } from "./fetched.js";
 import { setUpFilters } from "./filters.js";
@@ -13,7 +14,7 @@ import { offered, setUpNative } from "./native.js";
 import { readPhotograph } from "./photographs.js";
 import { setUpOwnFiles } from "./own-files.js";
 import { setUpPicture } from "./picture.js";
-import { BEFORE, setUpScores } from "./scores.js";
+import { setUpScores } from "./scores.js";
 import { lensText, setUpSensor, simulated } from "./sensor.js";
 import { PHOTOGRAPH, fragmentOf, sharedIn } from "./share.js";
 import { Store } from "./store.js";
@@ -31,42 +32,30 @@ const message = (error) => (error instanceof Error ? error.message : String(erro
 /** @param {number} luminance */
 const lightText = (luminance) => `${Number(luminance.toPrecision(luminance < 1 ? 2 : 3))} cd/m²`;
 
-/** A design with its tile in letters and its filters in full, which the page can change. @param {Engine} engine @param {Design} design @returns {Camera} */
-function inFull(engine, design) {
-  const cfa = design.sensor?.cfa ?? {};
-  const name = typeof cfa.pattern === "string" ? cfa.pattern : cfa.pattern === undefined ? "bayer" : undefined;
-  const known = engine.catalogue.cfas.find((c) => c.name === name || (name !== undefined && c.aliases?.includes(name)));
-  if (name !== undefined && !known) throw new Error(`sensor.cfa.pattern is "${name}"; expected the name of a mosaic of the catalogue, or its lines in letters`);
-  const pattern = known ? known.tile : /** @type {string[]} */ (cfa.pattern);
-  const all = { ...known?.filters, ...cfa.filters };
-  // In the order in which the mosaic shows them; those that it does not have follow.
-  const order = [...new Set([...pattern.join(""), ...Object.keys(all)])].filter((letter) => letter in all);
-  const filters = Object.fromEntries(order.map((letter) => [letter, all[letter]]));
-  return /** @type {any} */ (withValue(withValue(design, ["sensor", "cfa", "pattern"], pattern), ["sensor", "cfa", "filters"], filters));
-}
+/** What the page opens: the conditions of an address, and the design with the one that it is compared with. @typedef {{ shared?: import("./share.js").Shared, origin: import("./exchange.js").Origin, pinned?: Camera }} Opened */
 
-/** The design in the address, if there is one; it is read as strictly as a file. @param {Engine} engine @returns {Promise<import("./share.js").Shared | undefined>} */
+/** The design in the address, if there is one; it is read as strictly as a file. @param {Engine} engine @returns {Promise<Opened | undefined>} */
 async function inAddress(engine) {
   const shared = await sharedIn(location.hash);
   if (!shared) return undefined;
-  const checked = async (/** @type {Camera} */ camera) => inFull(engine, await engine.parse(await engine.cameraToml(camera)));
-  return { ...shared, camera: await checked(shared.camera), pinned: shared.pinned && await checked(shared.pinned) };
+  const checked = async (/** @type {Camera} */ camera) => engine.parse(await engine.cameraToml(camera));
+  return { shared, origin: originOf(engine.catalogue, await checked(shared.camera)), pinned: shared.pinned && inFull(engine.catalogue, await checked(shared.pinned)) };
 }
 
 /** @param {unknown} error */
 const tellAddress = (error) => tell(`The design in the address cannot be opened: ${excerpt(message(error))}.`, "trouble");
 
-/** The design with which the page opens: that of the address, else that of the server. @param {Engine} engine @returns {Promise<import("./share.js").Shared>} */
+/** The design with which the page opens: that of the address, else that of the server. @param {Engine} engine @returns {Promise<Opened>} */
 async function opened(engine) {
   try {
-    const shared = await inAddress(engine);
-    if (shared) return shared;
+    const found = await inAddress(engine);
+    if (found) return found;
   } catch (error) {
     tellAddress(error);
   }
-  const file = async (/** @type {string} */ name) => inFull(engine, await engine.parse(await (await fetched(name)).text()));
+  const file = async (/** @type {string} */ name) => engine.parse(await (await fetched(name)).text());
   const pinned = (await offered())?.pinned;
-  return { camera: await file("start.toml"), pinned: pinned ? await file(pinned) : undefined };
+  return { origin: originOf(engine.catalogue, await file("start.toml")), pinned: pinned ? inFull(engine.catalogue, await file(pinned)) : undefined };
 }
 
 async function start() {
@@ -76,8 +65,8 @@ async function start() {
   wait.textContent = "Starting the simulator…";
   const engine = await Engine.start("engine/", () => tell("The simulator of this page failed, for example for lack of memory, and was started again.", "trouble"));
   const first = await opened(engine);
-  const store = new Store(first.camera);
-  store.pinned = first.pinned ?? first.camera;
+  const store = new Store(first.origin);
+  store.pin(first.pinned ?? store.camera);
 
   const scene = byId("scene", HTMLSelectElement);
   const light = byId("luminance", HTMLInputElement);
@@ -87,7 +76,7 @@ async function start() {
     const own = engine.scenes.filter((s) => s.set === set);
     if (own.length > 0) scene.append(make("optgroup", { label }, ...own.map((s) => make("option", { value: s.id }, s.name))));
   }
-  /** Shows the scene and the luminance of an address, and says which scene is missing. @param {import("./share.js").Shared} shared @returns {string} */
+  /** Shows the scene and the luminance of an address, and says which scene is missing. @param {Partial<import("./share.js").Shared>} shared @returns {string} */
   function showConditions(shared) {
     const id = String(shared.scene ?? "");
     // A photograph has a number, which would be that of another one here.
@@ -102,7 +91,9 @@ async function start() {
   }
   const sceneName = () => scene.selectedOptions[0]?.textContent ?? "";
   const isOwnScene = () => engine.scenes.some((s) => s.id === scene.value && s.set === "own");
-  const missing = showConditions(first);
+  /** The scene in names of files. */
+  const sceneFile = () => (isOwnScene() ? sceneName() : scene.value);
+  const missing = showConditions(first.shared ?? {});
   if (missing) tell(missing);
 
   /** @type {import("./engine.js").Curves | undefined} */
@@ -130,6 +121,7 @@ async function start() {
   wait.textContent = "Learning the first picture…";
 
   const isPinned = () => store.pinned !== undefined && JSON.stringify(store.pinned) === JSON.stringify(store.camera);
+  const showWarnings = () => scores.warn([...own.picture?.warnings ?? [], ...own.figures?.warnings ?? []], own.picture !== undefined && own.figures !== undefined);
   const showScores = () => scores.show(own, store.pinned && !isPinned() ? pin : undefined);
   let [drawnWhat, drawnMs] = ["", 0];
   /** The cameras of the curves and of the figures of the array, as text. */
@@ -145,7 +137,7 @@ async function start() {
   const showPinned = () => {
     const { camera, pinned } = store;
     const text = isPinned() ? "Change something to see what it does." : `${nameOf(camera) === camera.name ? "Against" : `${nameOf(camera)}, against`} the pinned ${pinned?.name}`;
-    byId("pinned", HTMLElement).textContent = scores.isEarlier("pictures") || scores.isEarlier("figures") ? `${BEFORE}what is grey` : text;
+    byId("pinned", HTMLElement).textContent = scores.isEarlier("pictures") || scores.isEarlier("figures") ? "Dimmed values are out of date." : text;
   };
   /** The messages about designs that could not be computed, by loop. @type {Map<string, string>} */
   const failures = new Map();
@@ -164,7 +156,7 @@ async function start() {
       if (!drawn.scores) return;
       own.picture = drawn;
       mark("pictures", false);
-      scores.warn([...drawn.warnings, ...own.figures?.warnings ?? []]);
+      showWarnings();
       showScores();
     },
     pinned(drawn, { pinned }) {
@@ -184,7 +176,7 @@ async function start() {
     figures(known, before, { camera }) {
       [own.figures, pin.figures, figuresOf] = [known, before, JSON.stringify(camera)];
       mark("figures", false);
-      scores.warn([...own.picture?.warnings ?? [], ...known.warnings]);
+      showWarnings();
       showScores();
     },
     overLight: scores.showOverLight,
@@ -225,7 +217,7 @@ async function start() {
         isBefore = figuresOf !== "" && figuresOf !== camera;
       }
       if (isBefore) mark(loop, true);
-      const text = `${message(error)}.${isBefore ? " The picture and what is grey are those before the last change." : ""}`;
+      const text = `${message(error)}.${isBefore ? " The picture and the dimmed values are out of date." : ""}`;
       failures.set(loop, text);
       // Of two failures, that of the picture is said.
       if (loop === "pictures" || !failures.has("pictures")) tell(text, "trouble");
@@ -259,7 +251,7 @@ async function start() {
     else back();
   });
   byId("pin", HTMLButtonElement).addEventListener("click", () => {
-    store.pin(store.camera);
+    store.pin(store.camera, store.named);
     announce(`${store.camera.name} is pinned. Scores show what changes from here do.`);
   });
 
@@ -277,9 +269,9 @@ async function start() {
   }
 
   byId("share", HTMLButtonElement).addEventListener("click", async () => {
-    const pinned = isPinned() ? undefined : store.pinned;
+    const pinned = isPinned() ? undefined : store.pinnedNamed;
     const photograph = isOwnScene() ? " The photograph is not in it." : "";
-    history.replaceState(null, "", await fragmentOf({ camera: store.camera, pinned, scene: isOwnScene() ? PHOTOGRAPH : scene.value, luminance: luminance() }));
+    history.replaceState(null, "", await fragmentOf({ camera: store.named, pinned, scene: isOwnScene() ? PHOTOGRAPH : scene.value, luminance: luminance() }));
     try {
       await navigator.clipboard.writeText(location.href);
       tell(location.hostname === "127.0.0.1"
@@ -292,28 +284,30 @@ async function start() {
 
   byId("save-toml", HTMLButtonElement).addEventListener("click", async () => {
     try {
-      save(fileName(store.camera.name, "toml"), new Blob([await engine.cameraToml(store.camera)], { type: "application/toml" }));
+      const { named } = store;
+      save(fileName(named.name, "toml"), new Blob([await engine.cameraToml(named)], { type: "application/toml" }));
     } catch (error) {
       tell(`${message(error)}.`, "trouble");
     }
   });
   byId("save-png", HTMLButtonElement).addEventListener("click", async () => {
     const png = await picture.png();
-    if (png) save(fileName(`${store.camera.name} ${scene.value} ${luminance()}`, "png"), png);
+    if (png) save(fileName(`${store.named.name} ${sceneFile()} ${luminance()}`, "png"), png);
   });
   byId("save-csv", HTMLButtonElement).addEventListener("click", () => {
-    if (curves) save(fileName(`${store.camera.name} curves`, "csv"), new Blob([curvesCsv(curves)], { type: "text/csv" }));
+    if (curves) save(fileName(`${store.named.name} curves`, "csv"), new Blob([curvesCsv(curves)], { type: "text/csv" }));
   });
 
   // ---- files that are opened ----
 
-  /** Opens a camera as a step that can be undone. @param {Design} design @param {string} what */
-  function adopt(design, what) {
+  /** Opens a camera as a step that can be undone, and pins it or another one. @param {Design} design @param {string} what @param {Design} [other] */
+  function adopt(design, what, other) {
     try {
-      const camera = inFull(engine, design);
-      store.change(camera, what);
-      store.pin(camera);
-      tell(`${camera.name} is open, and later changes are compared with it.`);
+      const origin = originOf(engine.catalogue, design);
+      const pinned = other ? inFull(engine.catalogue, other) : origin.camera;
+      store.change(origin.camera, what, undefined, origin);
+      store.pin(pinned);
+      tell(other ? `${origin.camera.name} is open, and ${pinned.name} is pinned for comparison.` : `${origin.camera.name} is open and pinned: later changes are compared with it.`);
     } catch (error) {
       tell(`${excerpt(message(error))}.`, "trouble");
     }
@@ -353,9 +347,9 @@ async function start() {
     try {
       const { cameras: [own, other], note, family } = await camerasOfResults(file, store.camera);
       judgeBy(family);
-      adopt(await engine.parse(await engine.cameraToml(own)), `opening ${file.name}`);
+      const read = async (/** @type {Design} */ design) => engine.parse(await engine.cameraToml(design));
+      adopt(await read(own), `opening ${file.name}`, other && await read(other));
       if (note) tell(note);
-      if (other) store.pin(inFull(engine, await engine.parse(await engine.cameraToml(other))));
     } catch (error) {
       tell(`${shortened(file.name)}: ${excerpt(message(error))}.`, "trouble");
     }
@@ -391,12 +385,12 @@ async function start() {
   // ---- the design ----
 
   const native = setUpNative(() => ({
-    camera: store.camera, pinned: isPinned() ? undefined : store.pinned, scene: scene.value, luminance: luminance(),
+    camera: store.named, pinned: isPinned() ? undefined : store.pinnedNamed, scene: scene.value, luminance: luminance(),
     isOwn: isOwnScene(),
-  }));
-  setUpOwnFiles(native, engine, () => ({ camera: inEngine(store.camera), scene: scene.value, luminance: luminance(), name: store.camera.name }));
-  setUpSweep(native, () => ({ camera: store.camera, luminance: luminance() }));
-  setUpImprove(store, engine, { luminance, simulated: inEngine, own: (design) => inFull(engine, design), fail: (error) => tell(`${message(error)}.`, "trouble"), native });
+  }), (work) => store.on(["design", "pin"], work));
+  setUpOwnFiles(native, engine, () => ({ camera: inEngine(store.named), scene: scene.value, sceneName: sceneFile(), luminance: luminance() }));
+  setUpSweep(native, () => ({ camera: store.named, luminance: luminance() }));
+  setUpImprove(store, engine, { luminance, simulated: inEngine, own: (design) => inFull(engine.catalogue, design), fail: (error) => tell(`${message(error)}.`, "trouble"), native });
   /** Judges filters as those of a family, if the page has it. @param {string | null | undefined} name */
   function judgeBy(name) {
     const family = byId("family", HTMLSelectElement);
@@ -445,13 +439,14 @@ async function start() {
   // A design is pasted into the address of the open page.
   addEventListener("hashchange", async () => {
     try {
-      const shared = await inAddress(engine);
-      if (!shared) return;
-      const absent = showConditions(shared);
+      const found = await inAddress(engine);
+      if (!found) return;
+      const { shared, origin, pinned } = found;
+      const absent = showConditions(shared ?? {});
       showLight();
-      store.change(shared.camera, "opening the address");
-      store.pin(shared.pinned ?? shared.camera);
-      tell(absent || `${shared.camera.name} of the address is open.`);
+      store.change(origin.camera, "opening the address", undefined, origin);
+      store.pin(pinned ?? origin.camera);
+      tell(absent || `${origin.camera.name} of the address is open${pinned ? `, and ${pinned.name} is pinned for comparison` : ""}.`);
     } catch (error) {
       tellAddress(error);
     }

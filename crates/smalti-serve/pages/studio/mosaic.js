@@ -1,7 +1,8 @@
 // @ts-check
 // The mosaic: cells that are painted with the pointer or the keyboard, the palette, size, symmetry and templates.
-import { announce, byId, make } from "./dom.js";
-import { MAX_SIDE, addFilter, images, letterAt, letters, paint, removeFilter, resize, share, size, withMosaic } from "./design.js";
+import { announce, byId, make, tell } from "./dom.js";
+import { MAX_SIDE, addFilter, images, letterAt, letters, paint, removeFilter, resize, share, size } from "./design.js";
+import { withMosaic } from "./exchange.js";
 
 /** @typedef {import("./store.js").Store} Store */
 /** @typedef {import("./engine.js").Engine} Engine */
@@ -151,7 +152,12 @@ export function setUpMosaic(store, catalogue, colors) {
     const chosen = plain.find(({ name }) => name === template.value);
     template.value = "";
     if (!chosen) return;
-    store.change(withMosaic(store.camera, chosen.tile, chosen.filters), `the mosaic ${chosen.name}`);
+    const { camera, origin, missing } = withMosaic(catalogue, store.camera, store.origin, chosen);
+    if (missing.length > 0) {
+      const filters = missing.length === 1 ? `a filter for ${missing[0]}` : `filters for ${missing.join(", ")}`;
+      return tell(`${chosen.name} needs ${filters}, and ${origin.base.name} has curves of its own, which the generic filters of the catalogue do not fit. Add filters and paint with them, or start from another camera preset.`, "trouble");
+    }
+    store.change(camera, `the mosaic ${chosen.name}`, undefined, origin);
     announce(`${chosen.name}: ${chosen.tile.length} rows, ${chosen.tile[0].length} columns, ${letters(store.camera).length} filters`);
   });
 
@@ -200,7 +206,7 @@ export function setUpMosaic(store, catalogue, colors) {
     remove.title = `Remove filter ${store.selected}`;
     if (hadFocus) /** @type {HTMLElement | null} */ (palette.querySelector(`[data-letter="${CSS.escape(hadFocus)}"]`))?.focus();
   }
-  palette.after(make("div", { class: "palette-more" }, add, remove));
+  byId("palette-more", HTMLDivElement).append(add, remove);
 
   function show() {
     const [rows, cols] = size(store.camera);

@@ -111,15 +111,32 @@ export class Native {
   }
 }
 
+/** A design as text, whatever its name is. @param {Design | undefined} design */
+export const contentOf = (design) => JSON.stringify({ ...design, name: undefined });
+
+/**
+ * A line above a result, which shows once the result is out of date. `of` is the text of what the result depends on, `onChange` calls whenever it may be another one.
+ * @param {string} text @param {() => string} of @param {(work: () => void) => void} onChange @returns {{ line: HTMLElement, stamp: (made: string | undefined) => void }}
+ */
+export function outdated(text, of, onChange) {
+  const line = make("p", { class: "outdated", hidden: true }, `Out of date: ${text}`);
+  /** @type {string | undefined} */
+  let last;
+  const show = () => { line.hidden = last === undefined || last === of(); };
+  onChange(show);
+  return { line, stamp(made) { last = made; show(); } };
+}
+
 /** @param {unknown} error */
 const isCancelled = (error) => error instanceof Error && error.message === CANCELLED;
 
 /**
  * Sets up the panel of full computations and the items of the menu. `shown` is what the page shows, `isOwn` whether its scene is a photograph of the visitor.
  * @param {() => { camera: Design & { name: string }, pinned: (Design & { name: string }) | undefined, scene: string, luminance: number, isOwn: boolean }} shown
- * @returns {Promise<{ work: (title: string, job: Record<string, any>) => Promise<Result | undefined> } | undefined>}
+ * @param {(work: () => void) => void} onChange Calls when the design or the pinned design has changed.
+ * @returns {Promise<{ work: (title: string, job: Record<string, any>) => Promise<Result | undefined>, onChange: (work: () => void) => void } | undefined>}
  */
-export async function setUpNative(shown) {
+export async function setUpNative(shown, onChange) {
   const panel = byId("native-panel", HTMLElement);
   const place = byId("native", HTMLDivElement);
   const items = [...document.querySelectorAll("[data-native]")].filter((item) => item instanceof HTMLButtonElement);
@@ -210,10 +227,14 @@ export async function setUpNative(shown) {
   const button = (/** @type {string} */ label, /** @type {() => void} */ click) => make("button", { type: "button", "data-job": "", click }, label);
   const verdict = make("pre", { class: "verdict", hidden: true });
   const picture = make("figure", { class: "full", hidden: true });
+  const ofPicture = () => contentOf(shown().camera);
+  const ofReport = () => [shown().camera, shown().pinned].map(contentOf).join();
+  const verdictAge = outdated("the design or the pinned design has changed since this report.", ofReport, onChange);
+  const pictureAge = outdated("the design has changed since this picture.", ofPicture, onChange);
   place.append(
     make("div", { class: "fields" }, make("label", { class: "field wide" }, make("span", {}, "Pipeline"), quality), make("label", { class: "field wide" }, make("span", {}, "Report on"), extent)),
     make("div", { class: "row" }, button("Full-size picture", takePicture), button("Report", () => saves.report()), cancel),
-    bar, state, verdict, picture,
+    bar, state, verdictAge.line, verdict, pictureAge.line, picture,
   );
   state.textContent = "All processors of this computer, the whole simulation and all training scenes.";
   show();
@@ -236,6 +257,7 @@ export async function setUpNative(shown) {
 
   async function takePicture() {
     const wanted = capture(quality.value);
+    const made = ofPicture();
     const result = wanted && await work("The full-size picture", wanted.job);
     if (!wanted || !result) return;
     const { said, files } = result;
@@ -251,6 +273,7 @@ export async function setUpNative(shown) {
       make("div", { class: "row" }, keep("Save PNG", "picture", "png"), keep("Save DNG", "raw", "dng"), keep("Save .l3", "table", "l3")),
     );
     picture.hidden = false;
+    pictureAge.stamp(made);
     picture.scrollIntoView({ block: "nearest" });
   }
 
@@ -272,6 +295,7 @@ export async function setUpNative(shown) {
     },
     async report() {
       const { camera, pinned, luminance, scene, isOwn } = shown();
+      const made = ofReport();
       if (isOwn && extent.value !== "all") return refuse();
       // Designs of one name would be numbered.
       const rival = pinned && (pinned.name === camera.name ? { ...pinned, name: `${pinned.name} (pinned)` } : pinned);
@@ -283,8 +307,9 @@ export async function setUpNative(shown) {
       if (!result) return;
       verdict.textContent = result.said.verdict.replaceAll(/ {2,}/g, " ");
       verdict.hidden = result.said.verdict === "";
+      verdictAge.stamp(verdict.hidden ? undefined : made);
     },
   };
   for (const item of items) item.addEventListener("click", () => saves[String(item.getAttribute("data-native"))]());
-  return { work };
+  return { work, onChange };
 }

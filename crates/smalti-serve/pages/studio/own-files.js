@@ -7,19 +7,19 @@ import { fileName, save } from "./files.js";
  * Sets up the items of the menu that save files of the engine, unless a server makes larger ones.
  * @param {Promise<object | undefined>} native The server, if there is one.
  * @param {import("./engine.js").Engine} engine
- * @param {() => { camera: import("./design.js").Camera, scene: string, luminance: number, name: string }} shown The design as it is drawn, and the name of the design.
+ * @param {() => { camera: import("./design.js").Camera, scene: string, sceneName: string, luminance: number }} shown The design as it is drawn, under the name with which it is saved, and the name of the scene in names of files.
  */
 export async function setUpOwnFiles(native, engine, shown) {
   if (await native) return;
   /** @type {Record<string, () => Promise<void>>} */
   const saves = {
     async table() {
-      const { camera, luminance, name } = shown();
-      save(fileName(`${name} ${luminance}`, "l3"), await engine.table({ design: camera, luminance }));
+      const { camera, luminance } = shown();
+      save(fileName(`${camera.name} ${luminance}`, "l3"), await engine.table({ design: camera, luminance }));
     },
     async raw() {
-      const { camera, scene, luminance, name } = shown();
-      save(fileName(`${name} ${scene} ${luminance}`, "dng"), await engine.raw({ design: camera, scene, luminance }));
+      const { camera, scene, sceneName, luminance } = shown();
+      save(fileName(`${camera.name} ${sceneName} ${luminance}`, "dng"), await engine.raw({ design: camera, scene, luminance }));
     },
   };
   for (const [kind, make] of Object.entries(saves)) {

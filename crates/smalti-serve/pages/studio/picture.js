@@ -1,7 +1,7 @@
 // @ts-check
 // The picture: alone, against another one, or as a map of differences; zoomed and moved.
 import { announce, atFrame, byId } from "./dom.js";
-import { BEFORE } from "./scores.js";
+import { OUT_OF_DATE } from "./scores.js";
 
 /** @typedef {import("./engine.js").Picture} Picture */
 /** @typedef {"one" | "split" | "other" | "map"} View */
@@ -241,7 +241,7 @@ export function setUpPicture(onView) {
     },
     /** Says that the picture is not of the latest change, which could not be computed. */
     markEarlier() {
-      if (layers.own && !names.own.startsWith(BEFORE)) names = { ...names, own: BEFORE + names.own };
+      if (layers.own && !names.own.startsWith(OUT_OF_DATE)) names = { ...names, own: OUT_OF_DATE + names.own };
       show();
     },
     /** The picture of the design as PNG. @returns {Promise<Blob | null>} */

@@ -42,7 +42,7 @@ const DOUBTS = { cpsnr_db: 0.9, pixel_delta_e_2000_mean: 0.45, pixel_delta_e_200
 const CLIPPED = 1;
 
 /** What stands before everything that is of the state before a change that could not be computed. */
-export const BEFORE = "Before the last change: ";
+export const OUT_OF_DATE = "Out of date: ";
 /** Bars end at this many of the smallest relevant differences. */
 const BAR_END = 10;
 
@@ -103,9 +103,11 @@ export function setUpScores(relevances) {
   const metric = byId("metric", HTMLSelectElement);
   const place = byId("light-curve", HTMLDivElement);
   const warnings = byId("warnings", HTMLDetailsElement);
+  // The tiles take the places that were kept for them.
+  tiles.replaceChildren();
   const parts = SCORES.map((score) => {
     const [value, delta] = [make("span", { class: "value" }, "–"), make("span", { class: "delta" })];
-    const before = make("span", { class: "unseen", hidden: true }, "before the last change");
+    const before = make("span", { class: "unseen", hidden: true }, "out of date");
     const fill = draw("rect", { y: 0, height: 4 });
     const gauge = draw("svg", { class: "bar-of", viewBox: "0 0 100 4", preserveAspectRatio: "none", "aria-hidden": "true" }, draw("rect", { class: "track", width: 100, height: 4 }), fill, draw("rect", { class: "zero", x: 49.5, width: 1, height: 4 }));
     tiles.append(make("div", { class: "tile", "data-of": score.of, title: score.title }, make("dt", {}, score.label), make("dd", {}, make("span", { class: "amount" }, value, make("span", { class: "unit" }, score.unit)), gauge, delta, before)));
@@ -128,11 +130,13 @@ export function setUpScores(relevances) {
   const isEarlier = (/** @type {import("./work.js").Loop} */ loop) => earlier.has(loop);
   /** The warnings that are shown. @type {string[]} */
   let warned = [];
+  /** Whether all that could warn has been computed. */
+  let isJudged = false;
 
   function showWarnings() {
     const [summary, list] = [/** @type {HTMLElement} */ (warnings.querySelector("summary")), /** @type {HTMLElement} */ (warnings.querySelector("ul"))];
-    const count = warned.length === 0 ? "No warnings" : warned.length === 1 ? warned[0] : `${warned.length} warnings: ${warned[0]}`;
-    const text = earlier.size > 0 ? BEFORE + count.replace(/^No/, "no") : count;
+    const count = warned.length > 1 ? `${warned.length} warnings: ${warned[0]}` : warned[0] ?? (isJudged ? "No warnings" : "");
+    const text = earlier.size > 0 && count ? OUT_OF_DATE + count.replace(/^No/, "no") : count;
     if (summary.textContent === text && list.children.length === warned.length && warned.every((message, i) => list.children[i].textContent === message)) return;
     summary.textContent = text;
     list.replaceChildren(...warned.map((message) => make("li", {}, message)));
@@ -214,8 +218,9 @@ export function setUpScores(relevances) {
       note = text;
       showCurve();
     },
-    /** Shows warnings, which are not announced: they change with every step of a drag. @param {import("./engine.js").Warning[]} all */
-    warn(all) {
+    /** Shows warnings, which are not announced: they change with every step of a drag. @param {import("./engine.js").Warning[]} all @param {boolean} areAll Whether no others can follow. */
+    warn(all, areAll) {
+      isJudged = areAll;
       warned = [...new Set(all.map((w) => sentence(w.message)))];
       showWarnings();
     },

@@ -68,6 +68,8 @@ export function setUpSensor(store, engine, adopt) {
   const refreshers = [];
 
   const cameras = engine.catalogue.cameras;
+  // The fields take the places that were kept for them.
+  place.replaceChildren();
   preset.append(make("optgroup", { label: "The whole camera, with mosaic, filters and name" }, ...cameras.map((c, i) => make("option", { value: i }, c.name ?? ""))));
   preset.addEventListener("change", () => {
     const camera = cameras[Number(preset.value)];

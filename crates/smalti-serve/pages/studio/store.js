@@ -1,14 +1,17 @@
 // @ts-check
 // What the page shows: the design, every step that led to it, what it is compared with, and what an improvement may not change.
+import { named } from "./exchange.js";
 
 /** @typedef {import("./design.js").Camera} Camera */
+/** @typedef {import("./exchange.js").Origin} Origin */
 
 export class Store extends EventTarget {
-  /** @param {Camera} camera */
-  constructor(camera) {
+  /** @param {Origin} origin */
+  constructor(origin) {
     super();
-    /** @type {{ camera: Camera, what: string }[]} */
-    this.steps = [{ camera, what: "" }];
+    const { camera } = origin;
+    /** @type {{ camera: Camera, what: string, origin: Origin }[]} */
+    this.steps = [{ camera, what: "", origin }];
     this.at = 0;
     /** Whether the design comes from the history: fields show it even while they have the focus. */
     this.jumps = false;
@@ -16,6 +19,8 @@ export class Store extends EventTarget {
     this.ongoing = undefined;
     /** @type {Camera | undefined} */
     this.pinned = undefined;
+    /** The pinned design under the name with which it is saved. @type {Camera | undefined} */
+    this.pinnedNamed = undefined;
     /** @type {Set<string>} Letters of filters. */
     this.lockedFilters = new Set();
     /** @type {Set<string>} Cells as `row,col`. */
@@ -24,17 +29,21 @@ export class Store extends EventTarget {
   }
 
   get camera() { return this.steps[this.at].camera; }
+  get origin() { return this.steps[this.at].origin; }
+  /** The design under the name with which it is saved. */
+  get named() { return named(this.camera, this.origin); }
   get canUndo() { return this.at > 0; }
   get canRedo() { return this.at + 1 < this.steps.length; }
 
   /**
-   * A new design. Changes with the same `key` in succession, such as those of one drag, are one step. `what` says in words what changed.
-   * @param {Camera} camera @param {string} what @param {string} [key]
+   * A new design. Changes with the same `key` in succession, such as those of one drag, are one step. `what` says in words what changed. `origin` is that of the
+   * design, if it is another one.
+   * @param {Camera} camera @param {string} what @param {string} [key] @param {Origin} [origin]
    */
-  change(camera, what, key) {
-    if (key !== undefined && key === this.ongoing && this.at > 0) this.steps[this.at] = { camera, what };
+  change(camera, what, key, origin = this.origin) {
+    if (key !== undefined && key === this.ongoing && this.at > 0) this.steps[this.at] = { camera, what, origin };
     else {
-      this.steps.splice(this.at + 1, Infinity, { camera, what });
+      this.steps.splice(this.at + 1, Infinity, { camera, what, origin });
       this.at += 1;
     }
     this.ongoing = key;
@@ -68,9 +77,9 @@ export class Store extends EventTarget {
     this.jumps = false;
   }
 
-  /** @param {Camera | undefined} camera */
-  pin(camera) {
-    this.pinned = camera;
+  /** @param {Camera} camera @param {Camera} [as] The same under the name with which it is saved. */
+  pin(camera, as = camera) {
+    [this.pinned, this.pinnedNamed] = [camera, as];
     this.tell("pin");
   }
 

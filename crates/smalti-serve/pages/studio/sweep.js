@@ -3,6 +3,7 @@
 import { byId, make } from "./dom.js";
 import { fileName, save } from "./files.js";
 import { familyOf } from "./improve.js";
+import { contentOf, outdated } from "./native.js";
 import { signed, text } from "./scores.js";
 
 /**
@@ -35,7 +36,7 @@ function table(rows) {
 
 /**
  * Sets up the sweep in the panel of full computations.
- * @param {Promise<{ work: (title: string, job: Record<string, any>) => Promise<import("./native.js").Result | undefined> } | undefined>} connecting
+ * @param {ReturnType<typeof import("./native.js").setUpNative>} connecting
  * @param {() => { camera: import("./design.js").Camera, luminance: number }} shown
  */
 export async function setUpSweep(connecting, shown) {
@@ -46,8 +47,11 @@ export async function setUpSweep(connecting, shown) {
   const light = make("select", {},
     make("option", { value: "range" }, "1, 10 and 100 cd/m²"), make("option", { value: "wide" }, "0.1 to 1000 cd/m²"), make("option", { value: "here" }, "this light"));
   const found = make("figure", { hidden: true });
+  const ofSweep = () => contentOf(shown().camera);
+  const age = outdated("the design has changed since this sweep.", ofSweep, native.onChange);
   async function sweep() {
     const { camera, luminance } = shown();
+    const made = ofSweep();
     const luminances_cd_m2 = light.value === "here" ? [luminance] : LIGHTS[/** @type {keyof typeof LIGHTS} */ (light.value)];
     const where = set.selectedOptions[0].text;
     const result = await native?.work("The sweep", { sweep: { design: camera, set: set.value, luminances_cd_m2, family: familyOf() } });
@@ -58,12 +62,13 @@ export async function setUpSweep(connecting, shown) {
       table(result.said.rows), make("div", { class: "row" }, keep),
     );
     found.hidden = false;
+    age.stamp(made);
     found.scrollIntoView({ block: "nearest" });
   }
   byId("native-panel", HTMLElement).append(make("div", { class: "sweep" },
     make("div", { class: "fields" },
       make("label", { class: "field wide" }, make("span", {}, "Sweep on"), set), make("label", { class: "field wide" }, make("span", {}, "Luminance"), light)),
     make("div", { class: "row" }, make("button", { type: "button", "data-job": "", click: sweep }, "Light and tolerances")),
-    found,
+    age.line, found,
   ));
 }

@@ -52,13 +52,14 @@ macro_rules! embedded {
     };
 }
 
-static EMBEDDED: [(&str, &[u8]); 30] = embedded![
+static EMBEDDED: [(&str, &[u8]); 31] = embedded![
     "bench.js",
     "design.js",
     "designs.js",
     "dom.js",
     "engine-worker.js",
     "engine.js",
+    "exchange.js",
     "fetched.js",
     "files.js",
     "filters.js",
