@@ -52,8 +52,9 @@ macro_rules! embedded {
     };
 }
 
-static EMBEDDED: [(&str, &[u8]); 30] = embedded![
+static EMBEDDED: [(&str, &[u8]); 33] = embedded![
     "bench.js",
+    "clipping.js",
     "design.js",
     "designs.js",
     "dom.js",
@@ -74,6 +75,7 @@ static EMBEDDED: [(&str, &[u8]); 30] = embedded![
     "parts.css",
     "photographs.js",
     "picture.js",
+    "pigments.js",
     "scores.js",
     "sensor.js",
     "shapes.js",
@@ -82,6 +84,7 @@ static EMBEDDED: [(&str, &[u8]); 30] = embedded![
     "studio.css",
     "sweep.js",
     "theme.js",
+    "thickness.js",
     "work.js",
 ];
 
