@@ -104,13 +104,16 @@ export function setUpFilters(store, engine, curves) {
     );
   }
 
-  /** The curves of built-in filters by name, once they are known; those of filters that are not known everywhere end with the plot. @type {Map<string, import("./thickness.js").Samples>} */
+  /** The curves of built-in filters by name, once they are known; those of filters that are not known everywhere end with the plot, or with the simulation. @type {Map<string, import("./thickness.js").Samples>} */
   const builtin = new Map();
   /** @param {string} name */
   async function readBuiltin(name) {
-    const curve = (/** @type {number} */ last) => engine.transmittances([{ builtin: name }], [FIRST_NM, DRAWN_STEP_NM, last]);
-    const [values] = await curve(SILICON_NM).catch(() => curve(LAST_NM));
-    builtin.set(name, { start_nm: FIRST_NM, step_nm: DRAWN_STEP_NM, values });
+    const curve = async (/** @type {number} */ first, /** @type {number} */ step, /** @type {number} */ last) => {
+      const [values] = await engine.transmittances([{ builtin: name }], [first, step, last]);
+      return { start_nm: first, step_nm: step, values };
+    };
+    const nm = curves()?.wavelengths_nm ?? [400, 410, 700];
+    builtin.set(name, await curve(FIRST_NM, DRAWN_STEP_NM, SILICON_NM).catch(() => curve(FIRST_NM, DRAWN_STEP_NM, LAST_NM)).catch(() => curve(nm[0], nm[1] - nm[0], nm[nm.length - 1])));
     if (baseOf(filter()).builtin === name) showHandles();
   }
   /** The built-in filters whose curves were asked for. @type {Set<string>} */
