@@ -178,6 +178,9 @@ test("windows of one browser are different observers, unless one chooses to cont
   assert.equal(await heading(third), "Who is taking part?");
   assert.deepEqual(await third.locator("#earlier button").allTextContents(), [`Continue as observer ${one} (4 of ${PAIRS} pairs judged)`]);
   assert.deepEqual(await axe(third), []);
+  // Buttons beside each other are equally high and on one line.
+  const [anew, earlier] = await Promise.all(["#anew", "#earlier button"].map((s) => third.locator(s).boundingBox()));
+  assert.deepEqual([earlier.y, earlier.height], [anew.y, anew.height]);
   await third.locator("#earlier button").click();
   await third.locator("#pause").waitFor();
   assert.equal(await heading(third), "Welcome back");
@@ -464,6 +467,8 @@ for (const colorScheme of ["light", "dark"]) {
       const { page, faults, close } = await open({ colorScheme, viewport: { width, height }, deviceScaleFactor: ratio });
       const check = async (name) => {
         assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), name);
+        const [left, right] = await page.locator("section:visible").evaluate((s) => [s.getBoundingClientRect().left, document.documentElement.clientWidth - s.getBoundingClientRect().right]);
+        assert.ok(Math.abs(left - right) <= 1, `${name} is not in the middle: ${left} px on the left, ${right} px on the right`);
         assert.deepEqual(await axe(page), [], name);
         assert.deepEqual(await faint(page), [], name);
         if (process.env.SMALTI_PICTURES) await page.screenshot({ path: join(process.env.SMALTI_PICTURES, `rate-${name}-${width}-${ratio}-${colorScheme}.png`), fullPage: true });
@@ -499,6 +504,33 @@ for (const colorScheme of ["light", "dark"]) {
   }
 }
 
+test("a value of the display that the observer neither moved nor confirmed is not recorded", async () => {
+  const recorded = async (adjust) => {
+    const { page, close } = await open();
+    await page.getByLabel("I have read").check();
+    await page.getByRole("button", { name: "Continue" }).click();
+    await adjust(page);
+    await page.getByRole("button", { name: "Continue" }).click();
+    await page.locator("#pause").waitFor();
+    await close();
+    const { device_pixel_ratio, screen_px, ...found } = (await answers()).at(-1)[0].display;
+    assert.deepEqual([device_pixel_ratio, screen_px], [1, [1440, 900]]);
+    return found;
+  };
+  const [size, gamma] = ["The outline is as large as my card", "The square is as bright as the lines"];
+  assert.deepEqual(await recorded(async () => {}), {});
+  assert.deepEqual(await recorded(async (page) => {
+    await page.locator("#gamma").press("ArrowRight");
+    assert.ok(await page.getByLabel(gamma).isChecked() && !(await page.getByLabel(size).isChecked()));
+  }), { gamma: 2.22 });
+  // Where the slider begins may be right, and who moved it may be in doubt.
+  assert.deepEqual(await recorded(async (page) => {
+    await page.getByLabel(size).check();
+    await page.locator("#gamma").press("ArrowRight");
+    await page.getByLabel(gamma).uncheck();
+  }), { px_per_mm: 324 / 85.6 });
+});
+
 test("the answers are analysed", async () => {
   const text = run("rate", "analyse", "trial", "--keep-all", "--json");
   const results = JSON.parse(text);
@@ -509,6 +541,12 @@ test("the answers are analysed", async () => {
   assert.deepEqual(await page.locator("main > section").evaluateAll((all) => all.map((s) => s.id)), ["scale", "scenes", "agreement", "observers", "again"]);
   assert.equal(await page.locator("#scale tbody tr").count(), 4);
   assert.equal(await page.locator("#agreement tbody tr").count(), 7);
+  // The display gamma is that of the observers who stated it.
+  const headings = await page.locator("#observers thead th").allTextContents();
+  const gammas = await page.locator("#observers tbody tr").evaluateAll((rows, column) => rows.map((r) => r.children[column].textContent), headings.indexOf("display gamma"));
+  const stated = (await answers()).map((lines) => lines[0].display.gamma?.toFixed(2) ?? "–");
+  assert.deepEqual(gammas, stated);
+  assert.ok(stated.includes("–") && stated.includes("2.22"), stated.join());
   assert.deepEqual(await axe(page), []);
   if (process.env.SMALTI_PICTURES) {
     for (const colorScheme of ["light", "dark"]) {

@@ -144,8 +144,14 @@ test("a sweep over light and tolerances is shown as a table and saved as CSV", a
   await table.waitFor({ timeout: 240_000 });
   assert.equal(await table.locator("tbody").count(), 1);
   assert.deepEqual(await table.locator("th[scope=row]").allTextContents(), ["as designed", "−5 nm", "+5 nm", "thickness −5 %", "thickness +5 %"]);
-  const cpsnr = Number(await table.locator("tbody tr").nth(1).locator("td").first().textContent());
+  const cell = table.locator("tbody tr").nth(1).locator("td").first();
+  const cpsnr = Number(await cell.evaluate((td) => td.firstChild.textContent));
   assert.ok(cpsnr > 20 && cpsnr < 60, String(cpsnr));
+  // Every figure has its interval, also those as designed.
+  assert.equal(await table.locator("td").count(), 15);
+  assert.equal(await table.locator("td small").count(), 15);
+  const [low, high] = (await cell.locator("small").textContent()).split(" to ").map(Number);
+  assert.ok(low < cpsnr && cpsnr < high, `${low} to ${high}`);
   const [download] = await Promise.all([page.waitForEvent("download"), panel.getByRole("button", { name: "Save CSV" }).click()]);
   assert.equal(download.suggestedFilename(), "bayer-sweep.csv");
   const csv = String(await readFile(await download.path())).trim().split("\n");

@@ -173,6 +173,145 @@ test("the handle of a dye moves its band and its absorbance", async () => {
   await close();
 });
 
+// Transmittances of a filter by wavelength, as the page saves them.
+async function curve(page, letter) {
+  const [names, ...rows] = (await saved(page, "Save curves as CSV")).content.toString().trim().split("\n").map((line) => line.split(","));
+  return rows.map((row) => [Number(row[0]), Number(row[names.indexOf(`transmittance_${letter}`)])]);
+}
+// What Beer and Lambert say of a layer that is `thickness` times as thick.
+const thicker = (transmittance, thickness, clear) => clear * (transmittance / clear) ** thickness;
+
+test("the thickness of a measured pigment is a number and a handle, and the file says it", async () => {
+  const { page, faults, close } = await open();
+  await page.getByRole("radio", { name: "Filter R" }).click();
+  await page.locator("#filter .fields select").selectOption("pigment/R");
+  await settled(page);
+  const own = await curve(page, "R");
+  const most = Math.max(...own.map(([, t]) => t));
+  const steps = async () => page.locator("#undo").getAttribute("aria-disabled");
+  const field_ = field(page, "thickness");
+  assert.equal(await field_.inputValue(), "1");
+  const handle = page.getByRole("slider", { name: "R: Relative thickness" });
+  await handle.waitFor();
+  await field_.fill("2");
+  await field_.press("Enter");
+  await settled(page);
+  assert.ok(await field_.evaluate((input) => document.activeElement === input), "the focus stays");
+  const twice = await curve(page, "R");
+  // A clear filter transmits the same share at all wavelengths: 95 %, or the most of the filter, which may be infrared.
+  const brightest = own.findIndex(([, t]) => t === most);
+  const clear = most ** 2 / twice[brightest][1];
+  assert.ok(clear > Math.max(0.95, most) - 1e-4 && clear <= 1, String(clear));
+  for (const [i, [nm, t]] of twice.entries()) assert.ok(Math.abs(t - thicker(own[i][1], 2, clear)) < 2e-5, `${nm} nm: ${own[i][1]} to ${t}`);
+  assert.ok(twice.some(([, t], i) => own[i][1] - t > 0.1));
+  // It is still the built-in pigment, which the saved file says of its curve.
+  assert.equal(await page.getByLabel("Shape of filter R").inputValue(), "builtin");
+  assert.equal(await page.locator("#filter .fields select").inputValue(), "pigment/R");
+  const file = await toml(page);
+  assert.match(file, /^# sensor\.cfa\.filters\.R: pigment\/R at 2 times its thickness \(Beer–Lambert law\), in samples\.$/m);
+  assert.match(filterOf(file, "R"), /samples/);
+  // The handle moves it down; the keys up again.
+  const box = await handle.boundingBox();
+  const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
+  await page.mouse.move(x, y);
+  await page.mouse.down();
+  await page.mouse.move(x, y + 8, { steps: 4 });
+  await page.mouse.up();
+  const dragged = Number(await field_.inputValue());
+  assert.ok(dragged > 2.1 && dragged <= 4, String(dragged));
+  assert.equal(await handle.getAttribute("aria-valuetext"), `${dragged} times as thick`);
+  await handle.press("Shift+ArrowUp");
+  assert.ok(Number(await field_.inputValue()) < dragged);
+  for (let i = 0; i < 2; i += 1) await page.keyboard.press("Control+z");
+  assert.equal(await field_.inputValue(), "2");
+  await page.keyboard.press("Control+z");
+  assert.equal(await field_.inputValue(), "1");
+  assert.doesNotMatch(await toml(page), /thickness|samples/);
+  assert.equal(await steps(), "false");
+  // A drawn curve has a thickness as well, from where it was drawn.
+  await page.getByLabel("Shape of filter R").selectOption("samples");
+  await settled(page);
+  await field(page, "thickness").fill("0.5");
+  await settled(page);
+  const half = await curve(page, "R");
+  for (const [i, [nm, t]] of half.entries()) assert.ok(Math.abs(t - thicker(own[i][1], 0.5, Math.max(0.95, most))) < 3e-4, `${nm} nm: ${own[i][1]} to ${t}`);
+  assert.match(await toml(page), /filters\.R: a drawn curve at 0\.5 times its thickness/);
+  assert.deepEqual(faults, []);
+  await close();
+});
+
+test("a filter of pigments that the improvement found states them", async () => {
+  const { page, faults, close } = await open();
+  await page.getByLabel("Filters are").selectOption("pigments");
+  await lockFilter(page, "B");
+  await page.getByRole("button", { name: "Improve", exact: true }).click();
+  await page.locator(".improve .progress", { hasText: "Expected:" }).waitFor({ timeout: 60_000 });
+  await page.getByRole("button", { name: "Stop and keep" }).click();
+  await page.locator(".improve .progress", { hasText: /kept\.|better\.$/ }).waitFor();
+  await settled(page);
+  await page.getByRole("radio", { name: "Filter R" }).click();
+  const layers = page.locator("#filter .fields p");
+  await page.waitForFunction(() => document.querySelector("#filter .fields p")?.textContent !== "");
+  assert.match(await layers.textContent(), /^Pigments: (\d\.\d\d × pigment\/[RGBCMY]( \+ )?)+\. A thickness of 1 is that of the built-in filter\.$/);
+  // Its curve is that of the layers: those of the pigments alone, each as thick as stated.
+  const stated = [...(await layers.textContent()).matchAll(/([\d.]+) × (\S+?)(?=\.? )/g)].map(([, d, name]) => [Number(d), name]);
+  const made = await curve(page, "R");
+  const product = made.map(() => 0.95);
+  for (const [thickness, name] of stated) {
+    await page.getByLabel("Shape of filter R").selectOption("builtin");
+    await page.locator("#filter .fields select").selectOption(name);
+    await settled(page);
+    const pigment = await curve(page, "R");
+    const most = Math.max(...pigment.map(([, t]) => t));
+    pigment.forEach(([, t], i) => { product[i] *= Math.max(t / most, Math.exp(-7)) ** thickness; });
+  }
+  // Half of the last digit of each thickness, times an absorbance of 7, and the 0.005 within which a curve counts as one of pigments.
+  for (const [i, [nm, t]] of made.entries()) assert.ok(Math.abs(t - product[i]) < 0.02, `${nm} nm: ${t} and ${product[i]}`);
+  // Another curve is of no pigments.
+  await page.getByLabel("Shape of filter R").selectOption("box");
+  await page.getByLabel("Shape of filter R").selectOption("samples");
+  await settled(page);
+  assert.equal(await layers.textContent(), "");
+  assert.deepEqual(faults, []);
+  await close();
+});
+
+test("the curves over luminance say from where on the design clips", async () => {
+  const { page, faults, close } = await open();
+  const note = page.locator("#clipping");
+  const found = async (what) => { await page.locator("#clipping", { hasText: what }).waitFor({ timeout: 60_000 }); return note.textContent(); };
+  await page.getByLabel("Full well").fill("1000");
+  await settled(page);
+  const [, limit] = (await found(/: beyond [\d.]+ cd\/m² \(dotted\)/)).match(/^Expected figures do not include clipping: beyond ([\d.]+) cd\/m² \(dotted\), the design clips more than 1 % of the samples of this scene\.$/);
+  // The pictures agree: at this luminance at most 1 % of the samples are saturated, and more at the next one of the slider.
+  const slider = page.getByLabel("Luminance", { exact: true });
+  const at = async (decades) => {
+    await slider.fill(String(decades));
+    await settled(page);
+    return score(page, "Saturated");
+  };
+  const decades = Math.round(Math.log10(Number(limit)) * 20) / 20;
+  assert.ok(await at(decades) <= 1);
+  assert.equal(await page.locator("#luminance-value").textContent(), `${limit} cd/m²`);
+  assert.ok(await at((decades * 20 + 1) / 20) > 1);
+  // The curve is solid up to there and dotted beyond.
+  const [solid, dotted] = await page.locator("#light-curve path.own").evaluateAll((all) => [all.find((p) => !p.matches(".clips")), all.find((p) => p.matches(".clips"))].map((p) => p.getBBox()).map(({ x, width }) => ({ x, width })));
+  assert.ok(Math.abs(solid.x + solid.width - dotted.x) < 0.2, JSON.stringify([solid, dotted, limit]));
+  const [left, right] = [solid.x, dotted.x + dotted.width];
+  assert.ok(Math.abs((dotted.x - left) / (right - left) - (decades + 1) / 4) < 0.01, `${left}, ${dotted.x}, ${right}: ${limit} cd/m²`);
+  assert.match(await page.locator("#light-curve svg").getAttribute("aria-label"), /beyond [\d.]+ cd\/m² \(dotted\)/);
+  const place = await note.boundingBox();
+  // With the largest full well nothing clips.
+  await page.getByLabel("Full well").fill("1000000");
+  await page.getByLabel("Conversion gain").fill("1");
+  await settled(page);
+  await found("Up to 1000 cd/m², the design clips at most 1 % of the samples of this scene.");
+  assert.equal(await page.locator("#light-curve path.own.clips").count(), 0);
+  assert.deepEqual(await note.boundingBox(), place, "nothing moves");
+  assert.deepEqual(faults, []);
+  await close();
+});
+
 test("symmetry paints the images of a cell; filters are added and removed", async () => {
   const { page, faults, close } = await open();
   for (const side of ["Rows", "Columns"]) {

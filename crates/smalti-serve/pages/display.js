@@ -73,7 +73,7 @@ function drawLines(/** @type {HTMLCanvasElement} */ canvas, /** @type {number} *
 export function setUpDisplay() {
   const size = element("size", HTMLInputElement);
   const gamma = element("gamma", HTMLInputElement);
-  const [sizeSkip, gammaSkip] = [element("size-skip", HTMLInputElement), element("gamma-skip", HTMLInputElement)];
+  const [sizeMatches, gammaMatches] = [element("size-matches", HTMLInputElement), element("gamma-matches", HTMLInputElement)];
   const card = element("card", SVGSVGElement);
   const place = element("card-place", HTMLDivElement);
   const lines = element("lines", HTMLCanvasElement);
@@ -97,14 +97,18 @@ export function setUpDisplay() {
     rect?.setAttribute("height", String(height - 2));
     element("size-value", HTMLOutputElement).value = `${long} px`;
     element("gamma-value", HTMLOutputElement).value = Number(gamma.value).toFixed(2);
-    size.disabled = sizeSkip.checked;
-    gamma.disabled = gammaSkip.checked;
     drawLines(lines, Number(gamma.value));
     const warning = ratioWarning(devicePixelRatio || 1);
     ratio.textContent = warning;
     ratio.hidden = warning === "";
   };
-  for (const input of [size, gamma, sizeSkip, gammaSkip]) input.addEventListener("input", update);
+  // Where a slider begins is no measurement: its value counts once the observer has moved it or says that it is right.
+  for (const [input, matches] of /** @type {const} */ ([[size, sizeMatches], [gamma, gammaMatches]])) {
+    input.addEventListener("input", () => {
+      matches.checked = true;
+      update();
+    });
+  }
   addEventListener("resize", update);
   new ResizeObserver(update).observe(place);
   update();
@@ -112,7 +116,7 @@ export function setUpDisplay() {
   return () => ({
     device_pixel_ratio: devicePixelRatio || 1,
     screen_px: [Math.max(1, Math.round(screen.width)), Math.max(1, Math.round(screen.height))],
-    ...(sizeSkip.checked ? {} : { px_per_mm: Number(size.value) / CARD_MM }),
-    ...(gammaSkip.checked ? {} : { gamma: Number(gamma.value) }),
+    ...(sizeMatches.checked ? { px_per_mm: Number(size.value) / CARD_MM } : {}),
+    ...(gammaMatches.checked ? { gamma: Number(gamma.value) } : {}),
   });
 }

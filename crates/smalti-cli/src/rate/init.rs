@@ -18,6 +18,10 @@ use crate::progress::Progress;
 use crate::resolve;
 
 #[derive(Debug, Clone, Args)]
+// The usage that clap composes after a mistake would join the two.
+#[command(
+    override_usage = "smalti rate init [OPTIONS] <CAMERAS>...\n       smalti rate init [OPTIONS] --experiment <NAME>"
+)]
 #[command(after_help = "Examples:\n  \
     smalti rate init bayer rgbw clarity --luminance 1 --quality best -o trial\n  \
     smalti rate init bayer --processing l3,bilinear,malvar2004 --luminance 1,80 --scene natural-table --scene photo-fig -o methods\n  \
@@ -188,11 +192,12 @@ fn described(
 
 fn summary(manifest: &Manifest, args: &Init) -> String {
     let dir = args.output.display();
+    let counted = |count: usize, one: &str| format!("{count} {one}{}", if count == 1 { "" } else { "s" });
     format!(
-        "{} conditions on {} scenes; {} pairs for each observer\nsmalti rate serve {dir} shows them; {dir}/{} describes them\n",
-        manifest.conditions.len(),
-        manifest.scenes.len(),
-        manifest.schedule.trials(),
+        "{} on {}; {} for each observer\nsmalti rate serve {dir} shows them; {dir}/{} describes them\n",
+        counted(manifest.conditions.len(), "condition"),
+        counted(manifest.scenes.len(), "scene"),
+        counted(manifest.schedule.trials(), "pair"),
         ratings::MANIFEST,
     )
 }

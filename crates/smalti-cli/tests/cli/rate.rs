@@ -209,4 +209,16 @@ fn what_is_no_experiment_is_refused() {
         assert_eq!(place.run(&words.split(' ').collect::<Vec<_>>()).code, 2, "{words}");
     }
     assert!(place.names("experiment").is_empty());
+    // The usage names the two forms apart: the arguments of one are refused in the other.
+    let both = place.run(&["rate", "init", "bayer", "--experiment", "bayer-light"]).err;
+    assert!(both.contains("smalti rate init [OPTIONS] <CAMERAS>...\n"), "{both}");
+    assert!(both.contains("smalti rate init [OPTIONS] --experiment <NAME>\n"), "{both}");
+}
+
+#[test]
+fn one_scene_is_not_called_scenes() {
+    let out = Place::new().ok(
+        "rate init bayer rgbw --processing bilinear --luminance 80 --scene macbeth?patch=16 --side 96 -o one -q",
+    );
+    assert!(out.starts_with("2 conditions on 1 scene; 52 pairs for each observer\n"), "{out}");
 }

@@ -30,10 +30,10 @@ pub struct Display {
     pub device_pixel_ratio: f64,
     /// Width and height of the screen, CSS pixels.
     pub screen_px: [u32; 2],
-    /// CSS pixels per millimetre, by the width of a bank card; absent if the observer skipped the comparison.
+    /// CSS pixels per millimetre, by the width of a bank card; absent unless the observer made the comparison.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub px_per_mm: Option<f64>,
-    /// The gamma of the display, by the grey that matches a pattern of black and white lines; absent if the observer skipped the match.
+    /// The gamma of the display, by the grey that matches a pattern of black and white lines; absent unless the observer made the match.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub gamma: Option<f64>,
 }

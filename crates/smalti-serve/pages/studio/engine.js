@@ -33,6 +33,7 @@ import { Lights, START } from "./lights.js";
  * A camera description. `pattern` is the name of a built-in mosaic or its lines, one letter a cell; `filters` has a filter for each letter.
  * @typedef {object} Design
  * @property {string} [name]
+ * @property {number[]} [wavelengths_nm] First, step and last.
  * @property {Record<string, any>} [optics]
  * @property {{ quantum_efficiency?: Filter, pixel?: Record<string, number>, cfa?: { pattern?: string | string[],
  *   filters?: Record<string, Filter>, mixtures?: Record<string, Record<string, number>> }, [key: string]: any }} [sensor]
@@ -282,6 +283,28 @@ export class Engine {
   /** @param {Design} design @returns {Promise<Curves>} */
   async curves(design) {
     return (await again(() => this.#figures.ask("curves", { design }))).said;
+  }
+
+  /** The transmittances of filters alone. @param {Filter[]} filters @param {[first: number, step: number, last: number]} wavelengths_nm @returns {Promise<number[][]>} */
+  async transmittances(filters, wavelengths_nm) {
+    const letters = filters.map((_, i) => String.fromCharCode("A".charCodeAt(0) + i));
+    const cfa = { pattern: [letters.join("")], filters: Object.fromEntries(letters.map((letter, i) => [letter, filters[i]])) };
+    const optics = { transmittance: { flat: 1 }, ir_cut: { flat: 1 } };
+    const { channels } = await this.curves({ name: "filters", wavelengths_nm, optics, sensor: { quantum_efficiency: { flat: 1 }, cfa } });
+    return letters.map((letter) => channels.find((c) => c.letter === letter)?.transmittance ?? []);
+  }
+
+  /**
+   * The share of the samples that a design saturates in a scene, percent, as of its picture. A worker of its own draws, so that it delays no picture of the page.
+   * @param {Design} design @param {string} scene @param {number} luminance cd/m² @returns {Promise<number>}
+   */
+  saturated(design, scene, luminance) {
+    return again(async () => {
+      const bench = this.#gatherer({ scene });
+      const lens = await this.#supply(bench, design, ["training", { scene }]);
+      const { said } = await bench.ask("draw", { design, lens, scene, luminance_cd_m2: luminance, seed: SEED });
+      return said.saturated_percent;
+    });
   }
 
   /**

@@ -4,7 +4,9 @@ import { announce, byId, draw, make, setOptions, tell, textScale } from "./dom.j
 import { letters, withFilter } from "./design.js";
 import { filterOfCsv } from "./files.js";
 import { placeLabels } from "./labels.js";
+import { PigmentLibrary, layersOf, layersText } from "./pigments.js";
 import { FIRST_NM, LAST_NM, SHAPES, drawnOver, handlesOf, likeShape, shapeOf } from "./shapes.js";
+import { THICKEST, THINNEST, baseOf, editedShape, ofThickness, thicknessHandles, thicknessOf } from "./thickness.js";
 
 /** @typedef {import("./store.js").Store} Store */
 /** @typedef {import("./engine.js").Curves} Curves */
@@ -13,6 +15,8 @@ import { FIRST_NM, LAST_NM, SHAPES, drawnOver, handlesOf, likeShape, shapeOf } f
 /** The colours of the axis of wavelengths, a hint and no measurement. */
 const SPECTRUM = [[380, "#45307a"], [420, "#4036a8"], [460, "#2a62c9"], [490, "#1f9fb5"], [520, "#3fae4a"], [560, "#a8b93a"], [585, "#e0b22e"], [610, "#e5792b"], [650, "#d03a2b"], [780, "#5a1414"]];
 const DRAWN_STEP_NM = 5;
+/** Where the sensitivity of silicon ends, nm. */
+const SILICON_NM = 1100;
 /** Half of the side of a handle. */
 const HANDLE = 8;
 
@@ -27,10 +31,11 @@ function valueAt(xs, ys, x) {
 
 /**
  * Sets up plot and fields. `curves` has the curves of the design, once they are known.
- * @param {Store} store @param {Engine["catalogue"]} catalogue @param {() => Curves | undefined} curves
+ * @param {Store} store @param {Engine} engine @param {() => Curves | undefined} curves
  * @returns {{ show: () => void, take: (name: string, text: string) => void }}
  */
-export function setUpFilters(store, catalogue, curves) {
+export function setUpFilters(store, engine, curves) {
+  const { catalogue } = engine;
   const place = byId("plot", HTMLDivElement);
   const panel = byId("filter", HTMLDivElement);
   /** @type {"transmittance" | "quantum_efficiency"} */
@@ -99,8 +104,36 @@ export function setUpFilters(store, catalogue, curves) {
     );
   }
 
+  /** The curves of built-in filters by name, once they are known; those of filters that are not known everywhere end with the plot, or with the simulation. @type {Map<string, import("./thickness.js").Samples>} */
+  const builtin = new Map();
+  /** @param {string} name */
+  async function readBuiltin(name) {
+    const curve = async (/** @type {number} */ first, /** @type {number} */ step, /** @type {number} */ last) => {
+      const [values] = await engine.transmittances([{ builtin: name }], [first, step, last]);
+      return { start_nm: first, step_nm: step, values };
+    };
+    const nm = curves()?.wavelengths_nm ?? [400, 410, 700];
+    builtin.set(name, await curve(FIRST_NM, DRAWN_STEP_NM, SILICON_NM).catch(() => curve(FIRST_NM, DRAWN_STEP_NM, LAST_NM)).catch(() => curve(nm[0], nm[1] - nm[0], nm[nm.length - 1])));
+    if (baseOf(filter()).builtin === name) showHandles();
+  }
+  /** The built-in filters whose curves were asked for. @type {Set<string>} */
+  const asked = new Set();
+  /** The curve that the selected filter has with its own thickness; `undefined` until it is known. @returns {import("./thickness.js").Samples | undefined} */
+  function ownCurve() {
+    const base = baseOf(filter());
+    if (shapeOf(base) === "samples") return base.samples;
+    const name = /** @type {string} */ (base.builtin);
+    if (!asked.has(name)) readBuiltin(name).catch(() => {});
+    asked.add(name);
+    return builtin.get(name);
+  }
   /** The points of the selected filter that are dragged. */
-  const handles = () => (kind === "transmittance" ? handlesOf(filter(), at, cursorNm) : []);
+  function handles() {
+    if (kind !== "transmittance") return [];
+    if (editedShape(filter()) !== "builtin") return handlesOf(filter(), at, cursorNm);
+    const curve = ownCurve();
+    return curve ? thicknessHandles(filter(), curve) : [];
+  }
   /** @type {number | undefined} */
   let held;
   function showHandles() {
@@ -121,7 +154,7 @@ export function setUpFilters(store, catalogue, curves) {
       mark.setAttribute("aria-valuemin", String(least));
       mark.setAttribute("aria-valuemax", String(most));
       mark.setAttribute("aria-valuenow", String(Math.round(now)));
-      mark.setAttribute("aria-valuetext", `${Number(handle.nm.toFixed(1))} nm, ${Math.round(handle.value * 100)} %`);
+      mark.setAttribute("aria-valuetext", handle.said ?? `${Number(handle.nm.toFixed(1))} nm, ${Math.round(handle.value * 100)} %`);
       mark.querySelector(".dot")?.setAttribute("fill", channel()?.color ?? "#888888");
     });
   }
@@ -148,7 +181,7 @@ export function setUpFilters(store, catalogue, curves) {
     });
     mark.addEventListener("pointermove", (event) => {
       if (held !== index || !mark.hasPointerCapture(event.pointerId)) return;
-      const handle = handlesOf(filter(), at, cursorNm)[index];
+      const handle = handles()[index];
       if (handle) change(handle.set(...point(event)), handle.label.toLowerCase(), `drag ${index} ${drags}`);
     });
     mark.addEventListener("lostpointercapture", () => {
@@ -158,10 +191,10 @@ export function setUpFilters(store, catalogue, curves) {
     mark.addEventListener("keydown", (event) => {
       const step = event.shiftKey ? 10 : 1;
       const move = /** @type {Record<string, [number, number]>} */ ({ ArrowLeft: [-step, 0], ArrowRight: [step, 0], ArrowUp: [0, step / 100], ArrowDown: [0, -step / 100] })[event.key];
-      const handle = handlesOf(filter(), at, cursorNm)[index];
+      const handle = handles()[index];
       if (!move || !handle) return;
       event.preventDefault();
-      if (shapeOf(filter()) === "samples" && move[0] !== 0) {
+      if (editedShape(filter()) === "samples" && move[0] !== 0) {
         cursorNm = Math.min(Math.max(handle.nm + Math.sign(move[0]) * filter().samples.step_nm, FIRST_NM), LAST_NM);
         showHandles();
         return;
@@ -172,7 +205,7 @@ export function setUpFilters(store, catalogue, curves) {
 
   /** The curve of the selected filter as samples. @returns {import("./design.js").Filter | undefined} */
   function asSamples() {
-    if (shapeOf(filter()) === "samples") return filter();
+    if (shapeOf(filter()) === "samples") return { samples: filter().samples };
     if (!channel()) return undefined;
     const values = Array.from({ length: (LAST_NM - FIRST_NM) / DRAWN_STEP_NM + 1 }, (_, i) => Number(Math.min(Math.max(at(FIRST_NM + i * DRAWN_STEP_NM), 0), 1).toFixed(4)));
     return { samples: { start_nm: FIRST_NM, step_nm: DRAWN_STEP_NM, values } };
@@ -258,9 +291,18 @@ export function setUpFilters(store, catalogue, curves) {
     return make("label", { class: `field number${isWide ? " wide" : ""}`, title }, make("span", {}, label), make("span", { class: "unit" }, input, unit));
   }
 
+  const pigments = new PigmentLibrary(engine);
+  /** Of which pigments the selected filter is made, if of any. */
+  function layersOfSelected() {
+    const [all, own] = [curves(), channel()];
+    const library = all && pigments.at(all.wavelengths_nm, showPanel);
+    const layers = own && library && layersOf(own.transmittance, library);
+    return layers ? layersText(layers) : "";
+  }
+
   function fields() {
-    const shape = shapeOf(filter());
-    const own = () => filter()[shape];
+    const shape = editedShape(filter());
+    const own = () => baseOf(filter())[shape];
     /** @type {HTMLElement[]} */
     const rows = (SHAPES[shape]?.parameters ?? []).map((p) => number(p, () => own()[p.key] ?? (p.key === "leakage" ? 0 : 1), (value) => ({ [shape]: { ...own(), [p.key]: value } })));
     if (shape === "flat") rows.push(number({ key: "flat", label: "Transmittance", unit: "", min: 0, max: 1, step: 0.01 }, own, (value) => ({ flat: value })));
@@ -278,11 +320,23 @@ export function setUpFilters(store, catalogue, curves) {
       refreshers.push(() => setOptions(select, [...new Set([...catalogue.filters, own()])].map((name) => /** @type {[string, string]} */ ([name, name])), own()));
       rows.push(make("label", { class: "field number" }, make("span", {}, "Curve"), select));
     }
+    if (shape === "builtin" || shape === "samples") {
+      const title = "Relative to the curve as it is built in, drawn or read. Absorbance is proportional to thickness (Beer–Lambert law)";
+      rows.push(number({ key: "thickness", label: "Relative thickness", title, unit: "×", min: THINNEST, max: THICKEST, step: 0.05 }, () => thicknessOf(filter()), (value) => {
+        const curve = ownCurve();
+        return curve ? ofThickness(baseOf(filter()), curve, value) : filter();
+      }));
+    }
+    if (shape === "samples") {
+      const layers = make("p", { class: "wide hint" });
+      refreshers.push(() => { layers.textContent = layersOfSelected(); });
+      rows.push(layers);
+    }
     return rows;
   }
 
   function showPanel() {
-    const shape = shapeOf(filter());
+    const shape = editedShape(filter());
     const key = JSON.stringify([store.selected, shape, filter().dye?.bands.length, letters(store.camera)]);
     if (key !== shown) {
       shown = key;

@@ -4,6 +4,7 @@
 import { announce, byId, make } from "./dom.js";
 import { withValue } from "./design.js";
 import { signed } from "./scores.js";
+import { keptEqual } from "./thickness.js";
 
 /** @typedef {import("./store.js").Store} Store */
 /** @typedef {import("./engine.js").Engine} Engine */
@@ -90,7 +91,9 @@ export function setUpImprove(store, engine, { luminance, simulated, own, fail, n
       const last = await engine.improve(start, locks, lights, (step) => {
         if (signal.aborted) return;
         isOwn = true;
-        if (step.cost < step.own_cost) store.change(withValue(begun, ["sensor", "cfa"], own(step.design).sensor.cfa), "the improvement", key);
+        const { cfa } = own(step.design).sensor;
+        const filters = keptEqual(cfa.filters, begun.sensor.cfa.filters);
+        if (step.cost < step.own_cost) store.change(withValue(begun, ["sensor", "cfa"], { ...cfa, filters }), "the improvement", key);
         isOwn = false;
         state.textContent = `${words(step, expected)}.`;
       }, signal, familyOf());

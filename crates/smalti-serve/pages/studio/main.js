@@ -2,6 +2,7 @@
 // The studio: starts the engine, opens a design, and joins the parts of the page.
 import { announce, atFrame, byId, make, setUpMessages, tell, untell } from "./dom.js";
 import { withValue } from "./design.js";
+import { Clipping } from "./clipping.js";
 import { Engine } from "./engine.js";
 import { inFull, originOf } from "./exchange.js";
 import { camerasOfResults, curvesCsv, fileName, save } from "./files.js";
@@ -20,6 +21,7 @@ import { PHOTOGRAPH, fragmentOf, sharedIn } from "./share.js";
 import { Store } from "./store.js";
 import { setUpSweep } from "./sweep.js";
 import { setUpTheme } from "./theme.js";
+import { thicknessComments } from "./thickness.js";
 import { setUpWork } from "./work.js";
 
 /** @typedef {import("./design.js").Camera} Camera */
@@ -115,7 +117,7 @@ async function start() {
   const picture = setUpPicture(() => work.again());
   const scores = setUpScores(engine.catalogue.relevances);
   const mosaic = setUpMosaic(store, engine.catalogue, () => colors);
-  const filters = setUpFilters(store, engine.catalogue, () => curves);
+  const filters = setUpFilters(store, engine, () => curves);
   const sensor = setUpSensor(store, engine, adopt);
   const gathering = byId("gathering", HTMLElement);
   wait.textContent = "Learning the first picture…";
@@ -193,6 +195,7 @@ async function start() {
       document.documentElement.dataset.settled = String(store.at);
       if (isChanged) announce(`${said}. ${scores.warned()}${isLimited ? ` ${limitsText()}` : ""}`);
       isChanged = isLimited = false;
+      findClipping();
     },
     worked(loop) {
       const text = failures.get(loop);
@@ -223,8 +226,25 @@ async function start() {
       if (loop === "pictures" || !failures.has("pictures")) tell(text, "trouble");
     },
   });
+  const clipping = new Clipping(engine);
+  let clippingOf = "";
+  /** Finds from which luminance on the design and the pinned one clip the scene, after all else. */
+  async function findClipping() {
+    const { camera, pinned } = wanted();
+    try {
+      const limits = await clipping.of([camera, ...(pinned ? [pinned] : [])], scene.value);
+      if (limits) scores.showClipping(limits[0], limits[1] ?? Infinity);
+    } catch {
+      // The page tells what hinders pictures; the curves then keep the note that they include no clipping.
+      scores.showClipping(undefined, Infinity);
+    }
+  }
   const soon = atFrame(() => {
     isWaiting = false;
+    clipping.stop();
+    // What is known of another scene does not hold; that of a design before a change does about.
+    if (clippingOf !== scene.value) scores.showClipping(undefined, Infinity);
+    clippingOf = scene.value;
     compute();
   });
   work.again = () => {
@@ -285,7 +305,8 @@ async function start() {
   byId("save-toml", HTMLButtonElement).addEventListener("click", async () => {
     try {
       const { named } = store;
-      save(fileName(named.name, "toml"), new Blob([await engine.cameraToml(named)], { type: "application/toml" }));
+      const parts = [thicknessComments(named.sensor.cfa.filters), await engine.cameraToml(named)];
+      save(fileName(named.name, "toml"), new Blob(parts, { type: "application/toml" }));
     } catch (error) {
       tell(`${message(error)}.`, "trouble");
     }

@@ -123,6 +123,18 @@ export function setUpScores(relevances) {
   /** @type {{ own: import("./engine.js").Expected[], pin: import("./engine.js").Expected[], luminance: number }} */
   let over = { own: [], pin: [], luminance: 10 };
 
+  /** The greatest luminance without noticeable clipping of the design, `undefined` until it is known, and of the pinned one, cd/m². @type {{ own: number | undefined, pin: number }} */
+  let clips = { own: undefined, pin: Infinity };
+  const clipping = byId("clipping", HTMLElement);
+  /** What is said of clipping. @param {number} last The greatest luminance of the curves. */
+  function clippingText(last) {
+    const { own } = clips;
+    const limit = own === undefined ? "." : own === 0 ? ": at every luminance shown (dotted), the design clips more than 1 % of the samples of this scene."
+      : own >= last ? `. Up to ${last} cd/m², the design clips at most 1 % of the samples of this scene.`
+        : `: beyond ${own} cd/m² (dotted), the design clips more than 1 % of the samples of this scene.`;
+    return `Expected figures do not include clipping${limit}`;
+  }
+
   /** What stands in place of curves. */
   let note = "";
   /** What is known to be of the state before a change. @type {Set<import("./work.js").Loop>} */
@@ -158,7 +170,13 @@ export function setUpScores(relevances) {
     const [first, last] = [over.own[0].luminance_cd_m2, over.own[over.own.length - 1].luminance_cd_m2].map(Math.log10);
     const x = (/** @type {number} */ luminance) => margin.left + (Math.log10(luminance) - first) / (last - first) * (width - margin.left - margin.right);
     const y = (/** @type {number} */ v) => height - margin.bottom - (v - low) / (high - low) * (height - margin.top - margin.bottom);
-    const path = (/** @type {import("./engine.js").Expected[]} */ curve) => curve.map((e, i) => `${i === 0 ? "M" : "L"}${x(e.luminance_cd_m2).toFixed(1)} ${y(e[key]).toFixed(1)}`).join("");
+    const path = (/** @type {[number, number][]} */ points) => points.map(([px, py], i) => `${i === 0 ? "M" : "L"}${px.toFixed(1)} ${py.toFixed(1)}`).join("");
+    /** A curve, dotted where the design clips. @param {string} kind @param {import("./engine.js").Expected[]} curve @param {number} limit */
+    const drawn = (kind, curve, limit) => {
+      const points = curve.map((e) => /** @type {[number, number]} */ ([x(e.luminance_cd_m2), y(e[key])]));
+      const [sound, clipped] = cut(points, limit > 0 ? x(limit) : -Infinity);
+      return [...(clipped.length > 1 ? [draw("path", { class: `${kind} clips`, d: path(clipped) })] : []), ...(sound.length > 1 ? [draw("path", { class: kind, d: path(sound) })] : [])];
+    };
     const decades = Array.from({ length: Math.round(last - first) + 1 }, (_, i) => 10 ** (Math.round(first) + i));
     svg.replaceChildren(
       ...[low, (low + high) / 2, high].flatMap((v) => [
@@ -167,11 +185,11 @@ export function setUpScores(relevances) {
       ]),
       ...decades.map((d) => draw("text", { class: "tick", x: x(d), y: height - 7, "text-anchor": "middle" }, String(Number(d.toPrecision(1))))),
       draw("line", { class: "here", x1: x(over.luminance), x2: x(over.luminance), y1: margin.top, y2: height - margin.bottom }),
-      ...(over.pin.length > 0 ? [draw("path", { class: "pinned", d: path(over.pin) })] : []),
-      draw("path", { class: "own", d: path(over.own) }),
+      ...drawn("pinned", over.pin, clips.pin),
+      ...drawn("own", over.own, clips.own ?? Infinity),
     );
     const ends = over.own.length > 0 ? `from ${text(over.own[0][key], 1)} at ${over.own[0].luminance_cd_m2} cd/m² to ${text(over.own[over.own.length - 1][key], 1)} at ${over.own[over.own.length - 1].luminance_cd_m2} cd/m²` : "";
-    svg.setAttribute("aria-label", `Expected ${FIGURES[key].label} over luminance, ${ends}`);
+    svg.setAttribute("aria-label", `Expected ${FIGURES[key].label} over luminance, ${ends}. ${clippingText(over.own[over.own.length - 1]?.luminance_cd_m2 ?? 1000)}`);
   }
   metric.addEventListener("change", showCurve);
   new ResizeObserver(() => {
@@ -213,6 +231,12 @@ export function setUpScores(relevances) {
       over = { own, pin, luminance };
       showCurve();
     },
+    /** Shows up to which luminance the design and the pinned one do not clip the scene, cd/m². @param {number | undefined} own @param {number} pin */
+    showClipping(own, pin) {
+      clips = { own, pin };
+      clipping.textContent = clippingText(1000);
+      showCurve();
+    },
     /** Says why there are no curves. @param {string} text */
     waits(text) {
       note = text;
@@ -236,6 +260,19 @@ export function setUpScores(relevances) {
     /** The warnings in words. */
     warned: () => /** @type {HTMLElement} */ (warnings.querySelector("summary")).textContent ?? "",
   };
+}
+
+/**
+ * A line in two: up to a place and beyond it, which share the point there.
+ * @param {[number, number][]} points @param {number} at @returns {[[number, number][], [number, number][]]}
+ */
+function cut(points, at) {
+  const after = points.findIndex(([x]) => x > at);
+  if (after < 0) return [points, []];
+  if (after === 0) return [[], points];
+  const [[x0, y0], [x1, y1]] = [points[after - 1], points[after]];
+  const middle = /** @type {[number, number]} */ ([at, y0 + (y1 - y0) * (at - x0) / (x1 - x0)]);
+  return [[...points.slice(0, after), middle], [middle, ...points.slice(after)]];
 }
 
 /** Round numbers around a range. @param {number} low @param {number} high @returns {[number, number]} */

@@ -3,7 +3,7 @@
 
 /** @typedef {import("./design.js").Filter} Filter */
 /** A number of a shape; with `isWide`, its long name has a line of its own. @typedef {{ key: string, label: string, title?: string, isWide?: boolean, unit: string, min: number, max: number, step: number }} Parameter */
-/** A point that is dragged; `set` gives the filter with the point elsewhere. With `isLevel` it moves only up and down. @typedef {{ label: string, nm: number, value: number, isLevel?: boolean, set: (nm: number, value: number) => Filter }} Handle */
+/** A point that is dragged; `set` gives the filter with the point elsewhere. With `isLevel` it moves only up and down; `said` is what it says instead of its place. @typedef {{ label: string, nm: number, value: number, isLevel?: boolean, said?: string, set: (nm: number, value: number) => Filter }} Handle */
 
 /** The wavelengths of the plot, nm. */
 export const [FIRST_NM, LAST_NM] = [380, 780];

@@ -6,9 +6,10 @@ import { familyOf } from "./improve.js";
 import { contentOf, outdated } from "./native.js";
 import { signed, text } from "./scores.js";
 
+/** A number with its 95 % interval over scenes. @typedef {{ value: number, interval: { low: number, high: number } | null }} Estimate */
 /**
- * Scores of a design at a luminance: means over scenes, and how much larger they are than as designed, with 95 % intervals.
- * @typedef {{ name: string, luminance_cd_m2: number, means: number[], changes: { value: number, interval: { low: number, high: number } | null }[] | null }} Row
+ * Scores of a design at a luminance: means over scenes, and how much larger they are than as designed.
+ * @typedef {{ name: string, luminance_cd_m2: number, means: Estimate[], changes: Estimate[] | null }} Row
  */
 
 /** The columns of the table, in the order of the figures. */
@@ -20,11 +21,9 @@ function table(rows) {
   const head = make("tr", {}, make("th", { scope: "col" }, "Filters"), ...COLUMNS.map(({ label }) => make("th", { scope: "col" }, label)));
   const cell = (/** @type {Row} */ row, /** @type {number} */ i) => {
     const { digits } = COLUMNS[i];
-    const change = row.changes?.[i];
-    if (!change) return make("td", {}, text(row.means[i], digits));
-    const { interval } = change;
-    const range = interval && `${signed(interval.low, digits)} to ${signed(interval.high, digits)}`;
-    return make("td", {}, signed(change.value, digits), range ? make("small", {}, range) : undefined);
+    const [{ value, interval }, shown] = row.changes ? [row.changes[i], signed] : [row.means[i], text];
+    const range = interval && `${shown(interval.low, digits)} to ${shown(interval.high, digits)}`;
+    return make("td", {}, shown(value, digits), range ? make("small", {}, range) : undefined);
   };
   const body = [...new Set(rows.map((row) => row.luminance_cd_m2))].map((luminance) => make("tbody", {},
     make("tr", {}, make("th", { scope: "rowgroup", colspan: COLUMNS.length + 1 }, `${luminance} cd/m²`)),
@@ -58,7 +57,7 @@ export async function setUpSweep(connecting, shown) {
     if (!result) return;
     const keep = make("button", { type: "button", click: () => save(fileName(`${camera.name} sweep`, "csv"), result.files.csv) }, "Save CSV");
     found.replaceChildren(
-      make("figcaption", {}, `${camera.name} on ${where} (${result.said.scenes}): means as designed, and changes when all filters deviate, with 95 % intervals over scenes. The pipeline is that of the filters as designed.`),
+      make("figcaption", {}, `${camera.name} on ${where} (${result.said.scenes}): means as designed, and changes when all filters deviate, each with its 95 % interval over scenes. That of a mean states how much scenes differ; that of a change is paired. The pipeline is that of the filters as designed.`),
       table(result.said.rows), make("div", { class: "row" }, keep),
     );
     found.hidden = false;

@@ -52,8 +52,9 @@ macro_rules! embedded {
     };
 }
 
-static EMBEDDED: [(&str, &[u8]); 31] = embedded![
+static EMBEDDED: [(&str, &[u8]); 34] = embedded![
     "bench.js",
+    "clipping.js",
     "design.js",
     "designs.js",
     "dom.js",
@@ -75,6 +76,7 @@ static EMBEDDED: [(&str, &[u8]); 31] = embedded![
     "parts.css",
     "photographs.js",
     "picture.js",
+    "pigments.js",
     "scores.js",
     "sensor.js",
     "shapes.js",
@@ -83,6 +85,7 @@ static EMBEDDED: [(&str, &[u8]); 31] = embedded![
     "studio.css",
     "sweep.js",
     "theme.js",
+    "thickness.js",
     "work.js",
 ];
 

@@ -13,7 +13,7 @@ use super::{
 use crate::camera::{Camera, PICTURE_METRICS, TrainingSettings};
 use crate::design::Deviation;
 use crate::l3::Training;
-use crate::numeric::bootstrap::{Resamples, mean};
+use crate::numeric::bootstrap::Resamples;
 
 /// The figures of a design at a luminance, with filters as designed or not.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -24,9 +24,9 @@ pub struct ToleranceRow {
     pub name: String,
     /// Mean luminance of the scenes, cd/m².
     pub luminance_cd_m2: f64,
-    /// The means of [`PICTURE_METRICS`] over scenes and seeds.
-    pub means: [f64; PICTURE_METRICS.len()],
-    /// How much larger the means are than those as designed, with their intervals. Of the row as designed, `None`.
+    /// The means of [`PICTURE_METRICS`] over scenes and seeds, with their intervals over scenes.
+    pub means: [Estimate; PICTURE_METRICS.len()],
+    /// How much larger the means are than those as designed, with the intervals of these differences, which are paired. Of the row as designed, `None`.
     pub changes: Option<[Estimate; PICTURE_METRICS.len()]>,
 }
 
@@ -73,7 +73,7 @@ pub fn tolerances(
                 deviation: *deviation,
                 name: deviation.to_string(),
                 luminance_cd_m2: *luminance_cd_m2,
-                means: light.metrics.each_ref().map(|values| mean(values)),
+                means: light.metrics.each_ref().map(|values| Estimate::of_mean(values, resamples.as_ref())),
                 changes: (number > 0).then(|| std::array::from_fn(change)),
             });
         }

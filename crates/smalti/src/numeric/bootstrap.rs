@@ -58,11 +58,17 @@ pub struct Estimate {
 }
 
 impl Estimate {
+    /// The mean of the values of all members.
+    #[must_use]
+    pub fn of_mean(values: &[f64], resamples: Option<&Resamples>) -> Self {
+        Self { value: mean(values), interval: resamples.and_then(|r| r.interval(values)) }
+    }
+
     /// The mean difference of values of the same members, `a − b`.
     #[must_use]
     pub fn of_difference(a: &[f64], b: &[f64], resamples: Option<&Resamples>) -> Self {
         let differences: Vec<f64> = a.iter().zip(b).map(|(a, b)| a - b).collect();
-        Self { value: mean(&differences), interval: resamples.and_then(|r| r.interval(&differences)) }
+        Self::of_mean(&differences, resamples)
     }
 }
 

@@ -3,7 +3,9 @@
 use serde_json::json;
 use smalti::camera::{PICTURE_METRICS, ScoreSettings, TrainingSettings};
 use smalti::design::search::FreeCurves;
-use smalti::experiment::{ComparisonSettings, ExposurePolicy, Progress as _, ToleranceRow, tolerances};
+use smalti::experiment::{
+    ComparisonSettings, Estimate, ExposurePolicy, Progress as _, ToleranceRow, tolerances,
+};
 use smalti::l3::Training;
 use smalti_io::test_scenes::TestSet;
 
@@ -45,23 +47,22 @@ pub(super) fn sweep(native: &Native, wanted: &Sweep, watch: &Watch) -> Result<Fo
     Ok(Found { said, files: vec![("csv", csv(&rows).into_bytes())] })
 }
 
-/// The rows as a table: means, and changes from the filters as designed with their intervals.
+/// The rows as a table: means, and changes from the filters as designed, each with its interval.
 fn csv(rows: &[ToleranceRow]) -> String {
-    let head = PICTURE_METRICS.iter().flat_map(|m| {
-        [m.to_string(), format!("{m}_change"), format!("{m}_change_low"), format!("{m}_change_high")]
-    });
+    let of_metric = |m: &&str| {
+        ["", "_low", "_high", "_change", "_change_low", "_change_high"].map(|which| format!("{m}{which}"))
+    };
+    let head = PICTURE_METRICS.iter().flat_map(of_metric);
     let head = ["shift_nm", "thickness", "luminance_cd_m2"].into_iter().map(String::from).chain(head);
     let line = |cells: Vec<String>| cells.join(",") + "\n";
+    let estimated = |estimate: Option<&Estimate>| {
+        let interval = estimate.and_then(|e| e.interval);
+        [estimate.map(|e| e.value), interval.map(|i| i.low), interval.map(|i| i.high)]
+    };
     let row = |row: &ToleranceRow| {
         let figures = (0..PICTURE_METRICS.len()).flat_map(|metric| {
             let change = row.changes.as_ref().map(|changes| &changes[metric]);
-            let interval = change.and_then(|change| change.interval);
-            [
-                Some(row.means[metric]),
-                change.map(|c| c.value),
-                interval.map(|i| i.low),
-                interval.map(|i| i.high),
-            ]
+            [estimated(Some(&row.means[metric])), estimated(change)].concat()
         });
         let of = [row.deviation.shift_nm, row.deviation.thickness, row.luminance_cd_m2].map(Some);
         let cells = of.into_iter().chain(figures);
@@ -73,7 +74,7 @@ fn csv(rows: &[ToleranceRow]) -> String {
 #[cfg(test)]
 mod tests {
     use smalti::design::Deviation;
-    use smalti::experiment::Estimate;
+    use smalti::numeric::bootstrap::Interval;
 
     use super::*;
 
@@ -83,7 +84,11 @@ mod tests {
             deviation,
             name: deviation.to_string(),
             luminance_cd_m2: 10.0,
-            means: [30.5, 2.0, 3.0],
+            means: [
+                Estimate { value: 30.5, interval: Some(Interval { low: 29.0, high: 31.5 }) },
+                Estimate { value: 2.0, interval: None },
+                Estimate { value: 3.0, interval: None },
+            ],
             changes,
         };
         let change = |value| Estimate { value, interval: None };
@@ -93,14 +98,12 @@ mod tests {
         ];
         let csv = csv(&rows);
         let lines: Vec<&str> = csv.lines().collect();
-        assert!(
-            lines[0].starts_with(
-                "shift_nm,thickness,luminance_cd_m2,cpsnr_db,cpsnr_db_change,cpsnr_db_change_low,"
-            )
-        );
+        assert!(lines[0].starts_with(
+            "shift_nm,thickness,luminance_cd_m2,cpsnr_db,cpsnr_db_low,cpsnr_db_high,cpsnr_db_change,"
+        ));
         assert!(lines[0].ends_with(",scielab_mean_change_high"));
-        assert_eq!(lines[1], "0,1,10,30.5,,,,2,,,,3,,,");
-        assert_eq!(lines[2], "-5,1,10,30.5,-0.5,,,2,0.25,,,3,0,,");
+        assert_eq!(lines[1], "0,1,10,30.5,29,31.5,,,,2,,,,,,3,,,,,");
+        assert_eq!(lines[2], "-5,1,10,30.5,29,31.5,-0.5,,,2,,,0.25,,,3,,,0,,");
         assert!(lines.iter().all(|line| line.split(',').count() == lines[0].split(',').count()));
         assert!(
             set("natural").is_ok()
