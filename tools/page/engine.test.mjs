@@ -166,8 +166,8 @@ test("pictures have the bytes of the native library, and scores its numbers", as
     return [engine.scenes[1].id, [camera, other]];
   });
   const requests = designs.flatMap((design) => [
-    { draw: { design, scene, luminance_cd_m2: luminance, seed: 7 } },
-    { measure: { design, scene, luminance_cd_m2: luminance, seed: 7 } },
+    { draw: { design, scene, luminance_cd_m2: luminance, seed: 7, thorough: true } },
+    { measure: { design, scene, luminance_cd_m2: luminance, seed: 7, thorough: true } },
     { scores: { design, luminances_cd_m2: [luminance, 80] } },
   ]);
   const out = await mkdtemp(join(dir, "native-"));
