@@ -22,7 +22,16 @@ test("a cell is painted, a filter dragged, both undone; scores say what the chan
   await settled(page);
   assert.notEqual(await pixels(page), begun, "another picture");
   assert.ok(await page.locator(".delta[data-kind=better], .delta[data-kind=worse]").count() > 2);
-  await page.waitForFunction(() => /CPSNR .* dB, .* (better|worse) than pinned/.test(document.getElementById("told").textContent));
+  await page.waitForFunction(() => /CPSNR [\d.]+ dB/.test(document.getElementById("told").textContent));
+  // Only a change beyond the doubt of the page is called better or worse.
+  for (const [label, relevant, doubt] of [["CPSNR", 0.1, 0.9], ["ΔE2000", 0.05, 0.45], ["S-CIELAB", 0.05, 1.2]]) {
+    const tile = page.locator(".tile", { has: page.getByText(label, { exact: true }) }).locator(".delta");
+    const [shown, kind] = [await tile.locator("[aria-hidden]").textContent(), await tile.getAttribute("data-kind")];
+    const by = Math.abs(Number.parseFloat(shown.replace(/^[+−±]/, "")));
+    const expected = by < relevant ? /^[+−±][\d.]+$/ : by < doubt ? new RegExp(`^[+−][\\d.]+ ± ${doubt}$`) : /^[+−][\d.]+ (better|worse)$/;
+    assert.match(shown, expected, label);
+    assert.equal(kind === "same", by < doubt, `${label}: ${shown}`);
+  }
   assert.doesNotMatch(await page.locator("#told").textContent(), / [,;]/);
   // A design that differs from the pinned one of the same name says so.
   assert.equal(await page.locator("#pinned").textContent(), "bayer, changed, against the pinned bayer");
