@@ -51,11 +51,15 @@ export async function axe(page) {
 }
 
 // Texts with less than 4.5:1 among those whose contrast axe-core leaves open, because of a picture behind them or their length. Where the colour behind a text
-// shows what lies below, black and white are assumed there.
+// shows what lies below, black and white are assumed there. Elements that the page replaced meanwhile are looked at again.
 export async function weakContrast(page) {
   await page.evaluate(axeSource);
   return page.evaluate(async () => {
-    const { incomplete } = await window.axe.run({ runOnly: ["color-contrast"] });
+    let nodes;
+    do {
+      const { incomplete } = await window.axe.run({ runOnly: ["color-contrast"], elementRef: true });
+      nodes = incomplete.flatMap((rule) => rule.nodes);
+    } while (nodes.some((node) => !node.element.isConnected));
     const context = new OffscreenCanvas(1, 1).getContext("2d", { willReadFrequently: true });
     const rgba = (color) => {
       context.clearRect(0, 0, 1, 1);
@@ -70,8 +74,7 @@ export async function weakContrast(page) {
       return (high + 0.05) / (low + 0.05);
     };
     const weak = [];
-    for (const node of incomplete.flatMap((rule) => rule.nodes)) {
-      const element = document.querySelector(node.target.at(-1));
+    for (const { element } of nodes) {
       let behind = element;
       while (rgba(getComputedStyle(behind).backgroundColor)[3] === 0 && behind.parentElement) behind = behind.parentElement;
       const { color, fill } = getComputedStyle(element);
