@@ -4,18 +4,11 @@ import { readFile, writeFile } from "node:fs/promises";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { axe } from "./browser.mjs";
-import { cells, saved, settled, site, studio } from "./studio.mjs";
+import { cells, saved, settled, studioAndSite } from "./studio.mjs";
 
 let own;
-let exported;
-before(async () => {
-  own = await studio();
-  exported = await site(join(own.dir, "site"));
-});
-after(async () => {
-  exported?.end();
-  await own?.end();
-});
+before(async () => { own = await studioAndSite(); });
+after(() => own?.end());
 
 const picture = async (page, name) => {
   if (!process.env.SMALTI_PICTURES) return;
@@ -27,7 +20,7 @@ const picture = async (page, name) => {
 };
 
 test("without a server the page saves the table and the raw image of its picture, which make it again", async () => {
-  const { page, faults, close } = await own.open({}, exported.address);
+  const { page, faults, close } = await own.open({}, own.exported.address);
   const kept = async (name, file) => {
     const download = await saved(page, name);
     await writeFile(join(own.dir, file), download.content);
@@ -62,7 +55,7 @@ test("without a server the page saves the table and the raw image of its picture
 });
 
 test("results of a search and the report of a sweep open as designs", async () => {
-  const { page, faults, close } = await own.open({}, exported.address);
+  const { page, faults, close } = await own.open({}, own.exported.address);
   const flat = (value) => Array(31).fill(value);
   const search = {
     name: "found", family: { dichroic: { edge_nm: 20 } }, wavelengths_nm: flat(0).map((_, i) => 400 + 10 * i),
@@ -95,7 +88,7 @@ test("results of a search and the report of a sweep open as designs", async () =
 });
 
 test("a file of another kind is named, with what can be done with it, and never printed", async () => {
-  const { page, faults, close } = await own.open({}, exported.address);
+  const { page, faults, close } = await own.open({}, own.exported.address);
   const trouble = page.locator("#message[data-kind=trouble] #trouble");
   const bytes = (text) => Buffer.from(text, "latin1");
   for (const [name, content, said] of [

@@ -4,18 +4,11 @@ import { spawnSync } from "node:child_process";
 import { writeFile } from "node:fs/promises";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
-import { cells, field, filterOf, saved, settled, site, smalti, studio, toml } from "./studio.mjs";
+import { cells, field, filterOf, saved, settled, smalti, studioAndSite, toml } from "./studio.mjs";
 
 let own;
-let exported;
-before(async () => {
-  own = await studio();
-  exported = await site(join(own.dir, "site"));
-});
-after(async () => {
-  exported?.end();
-  await own?.end();
-});
+before(async () => { own = await studioAndSite(); });
+after(() => own?.end());
 const open = (...args) => own.open(...args);
 const startFrom = (page, mosaic) => page.getByLabel("Start from").selectOption(mosaic);
 // The design as the command reads it from the saved file.
@@ -64,7 +57,7 @@ test("every built-in camera has with every mosaic the filters that CAMERA@MOSAIC
 });
 
 test("a mosaic of the catalogue is the same on every path, and is that of CAMERA@MOSAIC", async () => {
-  const { page, faults, close } = await open({}, exported.address);
+  const { page, faults, close } = await open({}, own.exported.address);
   const expected = async (name, design) => {
     assert.equal(design.name, name);
     const { description } = JSON.parse(own.run("show", name, "--json", "--quiet"));
@@ -151,7 +144,7 @@ test("filters that were changed by hand replace those of their kind in every mos
 });
 
 test("a camera that was changed is saved under a name of its own", async () => {
-  const { page, faults, close } = await open({}, exported.address);
+  const { page, faults, close } = await open({}, own.exported.address);
   const file = async () => {
     const { name, content } = await saved(page, "Save camera.toml");
     return [name, String(content).match(/^name = "(.*)"$/m)[1]];

@@ -47,6 +47,17 @@ export async function studio() {
   return { dir, browser, server, run, serve, open, end };
 }
 
+// The same with its exported folder on a web server.
+export async function studioAndSite() {
+  const own = await studio();
+  const exported = await site(join(own.dir, "site"));
+  const end = async () => {
+    exported.end();
+    await own.end();
+  };
+  return { ...own, exported, end };
+}
+
 // A web server of a folder below a path, such as that of an exported studio.
 export async function site(folder, path = "/") {
   const types = { ".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".json": "application/json" };

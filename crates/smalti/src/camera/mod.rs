@@ -55,7 +55,7 @@ pub use ranges::{KEY_RANGES, KeyRange};
 pub(crate) use score::picture_cpsnr_db;
 pub use score::{PICTURE_METRICS, PictureScores, ScoreSettings, score_picture};
 pub use test_scene::TestScene;
-pub(crate) use training::Stand;
+pub(crate) use training::{HIGHEST_CUT, Stand};
 pub use training_set::{
     DEFAULT_TRAINING_LIGHT, NoStoredScenes, StoredTrainingScenes, TRAINING_SET_REVISION, TrainingContent,
     TrainingScene, training_reflectances, training_scenes,

@@ -23,7 +23,7 @@ const EXPOSURE_RATIO: f64 = 2.5;
 /// infrared.
 const MIN_SEEN: f64 = 0.01;
 /// Highest cut between response levels, relative to saturation.
-const HIGHEST_CUT: f64 = 0.85;
+pub(crate) const HIGHEST_CUT: f64 = 0.85;
 /// Levels of the second stage.
 const REFINEMENT_LEVELS: usize = 12;
 

@@ -11,11 +11,11 @@ use super::imaged_scene::ImagedScene;
 use super::learning_settings::{LearningSettings, LearningStatistics};
 use super::light_trainer::LightTrainer;
 use super::targets::Targets;
-use super::training_data::{ExposedDesign, SURFACE_PATCHES, TrainingData, TrainingLight};
+use super::training_data::{ExposedDesign, LevelCuts, SURFACE_PATCHES, TrainingData, TrainingLight};
 use super::training_scene;
 use crate::camera::chart::LUMINANCE;
 use crate::camera::stable_text::stable_text;
-use crate::camera::{Camera, CameraError, OpticalImages};
+use crate::camera::{Camera, CameraError, HIGHEST_CUT, OpticalImages};
 use crate::l3::{Pair, Pipeline, Statistics, Training};
 use crate::numeric::Planes;
 use crate::scene::{self, Setting, macbeth};
@@ -32,8 +32,6 @@ const LONGEST: [f64; 2] = [2.0, 10.0];
 /// Levels of its pipelines, and the range of their cuts relative to the response to white.
 pub(super) const THOROUGH_LEVELS: usize = 8;
 const THOROUGH_RANGE: [f64; 2] = [0.01, 2.0];
-/// Largest cut, relative to saturation.
-const HIGHEST_CUT: f64 = 0.85;
 /// Number of patches that a uniform surface counts for at each of its exposures.
 const THOROUGH_SURFACE_PATCHES: u32 = 64;
 
@@ -129,13 +127,8 @@ impl PipelineTrainer {
 
     /// A pipeline that is learned from patches at several exposures, from the dark up to saturation. It takes a few hundredths of a second.
     pub(super) fn thorough_pipeline(&self, cfa: &Cfa) -> Result<Pipeline, CameraError> {
-        let nominal = self.data.exposed(cfa)?;
-        let cells = cfa.mosaic().cells();
-        let white = cells.iter().filter_map(|&c| nominal.white.get(usize::from(c)));
-        let mean = white.sum::<f64>() / cells.len().max(1) as f64;
-        let [least, most] = THOROUGH_RANGE;
-        let most = most.min(HIGHEST_CUT / mean);
-        let design = self.data.exposed_in(cfa, THOROUGH_LEVELS, [least.min(0.1 * most), most])?;
+        let cuts = LevelCuts { levels: THOROUGH_LEVELS, range: THOROUGH_RANGE, highest: HIGHEST_CUT };
+        let design = self.data.exposed_in(cfa, &cuts)?;
         let longest = (OVEREXPOSED / design.full).clamp(LONGEST[0], LONGEST[1]);
         let exposures: Vec<f64> = (0..EXPOSURES).map(|i| longest / EXPOSURE_RATIO.powi(i)).collect();
         self.patch_pipeline(&design, &exposures, THOROUGH_SURFACE_PATCHES)

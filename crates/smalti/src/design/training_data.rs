@@ -52,6 +52,16 @@ pub(super) struct TrainingData {
     pub(super) seed: u64,
 }
 
+/// The rule for the cuts between levels.
+pub(super) struct LevelCuts {
+    /// Number of levels.
+    pub(super) levels: usize,
+    /// Range of the cuts, relative to the mean response to white. It reaches down by a factor of ten at least.
+    pub(super) range: [f64; 2],
+    /// Largest cut, relative to saturation.
+    pub(super) highest: f64,
+}
+
 /// A design at its exposure for the chart.
 pub(super) struct ExposedDesign {
     pub(super) camera: Camera,
@@ -106,16 +116,12 @@ impl TrainingData {
 
     /// The exposure of a design for the chart, and the classes of its samples.
     pub(super) fn exposed(&self, cfa: &Cfa) -> Result<ExposedDesign, CameraError> {
-        self.exposed_in(cfa, self.settings.levels, LEVEL_RANGE)
+        let levels = self.settings.levels;
+        self.exposed_in(cfa, &LevelCuts { levels, range: LEVEL_RANGE, highest: f64::INFINITY })
     }
 
-    /// The same with a number of levels, whose cuts lie in a range relative to the mean response to white.
-    pub(super) fn exposed_in(
-        &self,
-        cfa: &Cfa,
-        levels: usize,
-        range: [f64; 2],
-    ) -> Result<ExposedDesign, CameraError> {
+    /// The same with other levels.
+    pub(super) fn exposed_in(&self, cfa: &Cfa, cuts: &LevelCuts) -> Result<ExposedDesign, CameraError> {
         let (_, exposure) = self.chart.with_cfa(cfa)?;
         let camera = self.camera.with_cfa(cfa.clone());
         let y = &Observer::Cie1931.photon_weights(camera.grid())?[LUMINANCE];
@@ -127,20 +133,24 @@ impl TrainingData {
         let full = scale * self.white_y;
         let white: Vec<f64> = white.iter().map(|w| (w / brightest).max(MIN_WHITE) * full).collect();
         let noise = camera.sensor.signal_noise(&exposure)?;
-        let levels = level_cuts(cfa, &white, levels, range)?;
-        let axes = Axes::new(cfa.mosaic().clone(), self.settings.side, levels, noise)?
+        let axes = Axes::new(cfa.mosaic().clone(), self.settings.side, cuts.levels(cfa, &white)?, noise)?
             .with_levels_by_position(&white)?
             .with_textures(self.settings.textures);
         Ok(ExposedDesign { camera, exposure, scale, responsivities, brightest, full, white, axes })
     }
 }
 
-/// Cuts in equal ratios, in a range relative to the mean response to white over the tile.
-fn level_cuts(cfa: &Cfa, white: &[f64], levels: usize, [least, most]: [f64; 2]) -> Result<Levels, L3Error> {
-    let cells = cfa.mosaic().cells();
-    let sum: f64 = cells.iter().filter_map(|&c| white.get(usize::from(c))).sum();
-    let mean = sum / cells.len().max(1) as f64;
-    let cuts = levels.saturating_sub(1);
-    let cut = |i: usize| (mean * least * libm::pow(most / least, (i as f64 + 0.5) / cuts as f64)) as f32;
-    Levels::new((0..cuts).map(cut).collect())
+impl LevelCuts {
+    /// Cuts in equal ratios of the mean response over the tile, from the responses of the channels to white.
+    fn levels(&self, cfa: &Cfa, white: &[f64]) -> Result<Levels, L3Error> {
+        let cells = cfa.mosaic().cells();
+        let sum: f64 = cells.iter().filter_map(|&c| white.get(usize::from(c))).sum();
+        let mean = sum / cells.len().max(1) as f64;
+        let [least, most] = self.range;
+        let most = most.min(self.highest / mean);
+        let least = least.min(0.1 * most);
+        let cuts = self.levels.saturating_sub(1);
+        let cut = |i: usize| (mean * least * libm::pow(most / least, (i as f64 + 0.5) / cuts as f64)) as f32;
+        Levels::new((0..cuts).map(cut).collect())
+    }
 }
