@@ -5,7 +5,7 @@
 /** @typedef {import("./design.js").Camera} Camera */
 
 /** Share of the samples from which on a design clips noticeably, percent: that of the warning. */
-const CLIPS_PERCENT = 1;
+export const CLIPS_PERCENT = 1;
 /** The least luminance of the slider, in decades, and its steps. */
 const [FIRST, STEP, STEPS] = [-1, 0.05, 80];
 /** Results that are kept. */

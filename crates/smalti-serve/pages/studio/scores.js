@@ -1,5 +1,6 @@
 // @ts-check
 // The scores: each with what the change from the pinned design did, also as a bar, and expected figures over light.
+import { CLIPS_PERCENT } from "./clipping.js";
 import { byId, draw, make, textScale } from "./dom.js";
 import { SEED } from "./engine.js";
 
@@ -34,12 +35,11 @@ const SCORES = [
 ];
 /**
  * By how much a change of a score on this page differs from that between pipelines that are learned from all training scenes: not more in 95 % of 405 changes, those between ten
- * designs on three scenes at 1, 10 and 80 cd/m² (docs/how-to/studio.md). Smaller changes count as neither better nor worse.
+ * designs on three scenes at 1, 10 and 80 cd/m² (docs/how-to/studio.md). Smaller changes count as neither better nor worse. Where a picture clips,
+ * none is judged: few training patches clip as it does.
  * @type {Record<string, number>}
  */
 const DOUBTS = { cpsnr_db: 0.9, pixel_delta_e_2000_mean: 0.45, pixel_delta_e_2000_p95: 1, scielab_mean: 1.2 };
-/** Where more samples saturate, percent, changes of these scores are not judged: few training patches clip as the picture does. */
-const CLIPPED = 1;
 
 /** What stands before everything that is of the state before a change that could not be computed. */
 export const OUT_OF_DATE = "Out of date: ";
@@ -207,6 +207,7 @@ export function setUpScores(relevances) {
     show(own, pin) {
       /** @type {string[]} */
       const said = [];
+      const isClipped = [own, pin].some((k) => (k?.picture?.saturated_percent ?? 0) > CLIPS_PERCENT);
       for (const { score, value, delta, gauge, fill } of parts) {
         const now = score.get(own);
         const before = pin && score.get(pin);
@@ -214,9 +215,8 @@ export function setUpScores(relevances) {
         value.textContent = isKnown ? text(now, score.digits) : "–";
         const isCompared = isKnown && typeof before === "number" && Number.isFinite(before);
         const length = isCompared ? bar(score, before, now, relevances[score.metric]) : 0;
-        const clips = [own, pin].some((k) => (k?.picture?.saturated_percent ?? 0) > CLIPPED);
-        const doubt = !(score.metric in DOUBTS) ? 0 : clips ? Infinity : DOUBTS[score.metric];
-        const difference = isCompared ? change(score, before, now, length, doubt) : undefined;
+        const doubt = DOUBTS[score.metric] ?? 0;
+        const difference = isCompared ? change(score, before, now, length, isClipped && doubt > 0 ? Infinity : doubt) : undefined;
         delta.replaceChildren(...(difference ? [make("span", { "aria-hidden": "true" }, difference.shown), make("span", { class: "unseen" }, difference.said)] : []));
         delta.dataset.kind = difference?.kind ?? "";
         fill.setAttribute("x", String(50 + Math.min(length, 0) * 50));
