@@ -24,7 +24,7 @@ test("a cell is painted, a filter dragged, both undone; scores say what the chan
   assert.ok(await page.locator(".delta[data-kind=better], .delta[data-kind=worse]").count() > 2);
   await page.waitForFunction(() => /CPSNR [\d.]+ dB/.test(document.getElementById("told").textContent));
   // Only a change beyond the doubt of the page is called better or worse.
-  for (const [label, relevant, doubt] of [["CPSNR", 0.1, 0.9], ["ΔE2000", 0.05, 0.45], ["S-CIELAB", 0.05, 1.2]]) {
+  for (const [label, relevant, doubt] of [["CPSNR", 0.1, 0.9], ["ΔE2000", 0.05, 0.6], ["S-CIELAB", 0.05, 1.8]]) {
     const tile = page.locator(".tile", { has: page.getByText(label, { exact: true }) }).locator(".delta");
     const [shown, kind] = [await tile.locator("[aria-hidden]").textContent(), await tile.getAttribute("data-kind")];
     const by = Math.abs(Number.parseFloat(shown.replace(/^[+−±]/, "")));

@@ -220,7 +220,7 @@ fn clipped_at_white(picture: &Image, white_y: f64) -> Result<Image, CameraError>
 }
 
 /// Scales the planes at every pixel whose brightness exceeds `limit` down to it, which keeps their ratios.
-pub(super) fn limit_brightness(planes: &mut Planes, limit: f32, brightness: &[f32]) {
+pub(crate) fn limit_brightness(planes: &mut Planes, limit: f32, brightness: &[f32]) {
     let bright = brightness.iter().enumerate().filter(|(_, b)| **b > limit);
     let factors: Vec<(usize, f32)> = bright.map(|(i, b)| (i, limit / b)).collect();
     for plane in planes.planes_mut() {

@@ -251,7 +251,7 @@ impl Camera {
 
     /// The Y of a white diffuser that just saturates its darkest channel, at least 1. The raw image does not determine the
     /// luminance of brighter light. Channels with little luminous efficiency, such as near infrared, are ignored.
-    fn knowable_luminance(&self, light: &Spectrum) -> Result<f64, CameraError> {
+    pub(crate) fn knowable_luminance(&self, light: &Spectrum) -> Result<f64, CameraError> {
         let y = &Observer::Cie1931.photon_weights(light.grid())?[1];
         let (mut least, mut most) = (f64::INFINITY, 0.0f64);
         for channel in self.responsivities()? {

@@ -5,35 +5,38 @@
 //! solution of the kernels; or only the latter, with [statistics of the light](super::class_light). A design is trained at its
 //! exposure for the ColorChecker of [`Targets`](super::Targets), so that noise and levels are those of its scores.
 
+use std::f64::consts::SQRT_2;
 use std::sync::Arc;
 
 use super::imaged_scene::ImagedScene;
 use super::learning_settings::{LearningSettings, LearningStatistics};
 use super::light_trainer::LightTrainer;
 use super::targets::Targets;
-use super::training_data::{ExposedDesign, LevelCuts, SURFACE_PATCHES, TrainingData, TrainingLight};
+use super::training_data::{ExposedDesign, LevelCuts, SURFACE_PATCHES, Surface, TrainingData, TrainingLight};
 use super::training_scene;
 use crate::camera::chart::LUMINANCE;
+use crate::camera::score::limit_brightness;
 use crate::camera::stable_text::stable_text;
 use crate::camera::{Camera, CameraError, HIGHEST_CUT, OpticalImages};
 use crate::l3::{Pair, Pipeline, Statistics, Training};
 use crate::numeric::Planes;
 use crate::scene::{self, Setting, macbeth};
 use crate::sensor::{Cfa, Exposure, Mosaic, NoiseMode, PixelSpectra};
-use crate::spectrum::Observer;
+use crate::spectrum::{Observer, Spectrum};
 
-/// Number of exposures of [`PipelineTrainer::thorough_pipeline`], and their ratio. Pictures have parts that are darker and brighter than the
-/// training scene.
-const EXPOSURES: i32 = 9;
-const EXPOSURE_RATIO: f64 = 2.0;
+/// Ratio of each exposure of [`PipelineTrainer::thorough_pipeline`] to the next, from the longest down. Pictures have parts that are darker and
+/// brighter than the training scene. Where samples clip, exposures are closer, since other channels clip at each of them.
+const EXPOSURE_RATIOS: [f64; 10] = [SQRT_2, SQRT_2, SQRT_2, SQRT_2, SQRT_2, 2.0, 2.0, 2.0, 2.0, 2.0];
 /// The response of white at the longest of them, relative to saturation, and the limits of that exposure relative to that of the design.
 const OVEREXPOSED: f64 = 3.0;
 const LONGEST: [f64; 2] = [2.0, 10.0];
 /// Levels of its pipelines, and the range of their cuts relative to the response to white.
 pub(super) const THOROUGH_LEVELS: usize = 8;
 const THOROUGH_RANGE: [f64; 2] = [0.01, 2.0];
-/// Number of patches that a uniform surface counts for at each of its exposures.
+/// Numbers of patches that a uniform surface counts for at each of its exposures: one of those that the colour matrix is fitted to, and one of those
+/// with saturated colours, of which two channels can clip long before white does.
 const THOROUGH_SURFACE_PATCHES: u32 = 64;
+const SATURATED_SURFACE_PATCHES: u32 = 16;
 
 /// Trains the pipeline of any colour filter array on one camera. It keeps everything that does not depend on the filters.
 #[derive(Debug, Clone)]
@@ -104,7 +107,7 @@ impl PipelineTrainer {
         let design = self.data.exposed(cfa)?;
         let pipeline = match &self.from_light {
             Some(trainer) => trainer.pipeline(&self.data, &design)?,
-            None => self.patch_pipeline(&design, &[1.0], SURFACE_PATCHES)?,
+            None => self.quick_patch_pipeline(&design)?,
         };
         let reach = pipeline.reach();
         Ok((pipeline, reach))
@@ -119,29 +122,43 @@ impl PipelineTrainer {
         let design = self.data.exposed(cfa)?;
         match self.from_light.as_ref().map(|trainer| trainer.pipeline(&self.data, &design)) {
             None | Some(Err(CameraError::TrainingSaturates { .. })) => {
-                Ok((self.patch_pipeline(&design, &[1.0], SURFACE_PATCHES)?, LearningStatistics::Patches))
+                Ok((self.quick_patch_pipeline(&design)?, LearningStatistics::Patches))
             }
             Some(learned) => Ok((learned?, LearningStatistics::Light)),
         }
     }
 
-    /// A pipeline that is learned from patches at several exposures, from the dark up to saturation. It takes a few hundredths of a second.
-    pub(super) fn thorough_pipeline(&self, cfa: &Cfa) -> Result<Pipeline, CameraError> {
+    /// A pipeline that is learned from patches at several exposures, from the dark up to saturation, and from uniform surfaces of `saturated`
+    /// reflectances. It takes a few hundredths of a second.
+    pub(super) fn thorough_pipeline(
+        &self,
+        cfa: &Cfa,
+        saturated: &[Spectrum],
+    ) -> Result<Pipeline, CameraError> {
         let cuts = LevelCuts { levels: THOROUGH_LEVELS, range: THOROUGH_RANGE, highest: HIGHEST_CUT };
         let design = self.data.exposed_in(cfa, &cuts)?;
         let longest = (OVEREXPOSED / design.full).clamp(LONGEST[0], LONGEST[1]);
-        let exposures: Vec<f64> = (0..EXPOSURES).map(|i| longest / EXPOSURE_RATIO.powi(i)).collect();
-        self.patch_pipeline(&design, &exposures, THOROUGH_SURFACE_PATCHES)
+        let shorter = EXPOSURE_RATIOS.iter().scan(longest, |exposure, ratio| {
+            *exposure /= ratio;
+            Some(*exposure)
+        });
+        let exposures: Vec<f64> = [longest].into_iter().chain(shorter).collect();
+        let most = design.camera.knowable_luminance(&self.data.light)?;
+        let saturated = self.data.surfaces_of(saturated)?;
+        let surfaces =
+            [(&**self.data.surfaces, THOROUGH_SURFACE_PATCHES), (&*saturated, SATURATED_SURFACE_PATCHES)];
+        self.patch_pipeline(&design, &Lesson { exposures: &exposures, surfaces: &surfaces, most })
     }
 
-    fn patch_pipeline(
-        &self,
-        design: &ExposedDesign,
-        exposures: &[f64],
-        surface_patches: u32,
-    ) -> Result<Pipeline, CameraError> {
+    /// A pipeline that is learned from patches at the exposure of a design.
+    fn quick_patch_pipeline(&self, design: &ExposedDesign) -> Result<Pipeline, CameraError> {
+        let surfaces = [(&**self.data.surfaces, SURFACE_PATCHES)];
+        self.patch_pipeline(design, &Lesson { exposures: &[1.0], surfaces: &surfaces, most: f64::INFINITY })
+    }
+
+    fn patch_pipeline(&self, design: &ExposedDesign, lesson: &Lesson<'_>) -> Result<Pipeline, CameraError> {
         let training = Training { solver: self.data.settings.solver, ..Training::default() };
-        Ok(training.solve(&self.statistics(design, exposures, surface_patches)?, String::new())?)
+        Ok(training.solve(&self.statistics(design, lesson)?, String::new())?)
     }
 
     /// Gathers what designs with a mosaic have in common, if it is not known yet. [`PipelineTrainer::pipeline`] does so when needed; doing
@@ -153,28 +170,38 @@ impl PipelineTrainer {
         self.from_light.as_ref().map_or(Ok(()), |trainer| trainer.prepare(&self.data, mosaic))
     }
 
-    /// The moments of the patches of captures by a design, at exposures relative to its own.
-    fn statistics(
-        &self,
-        design: &ExposedDesign,
-        exposures: &[f64],
-        surface_patches: u32,
-    ) -> Result<Statistics, CameraError> {
+    /// The moments of the patches of captures by a design.
+    fn statistics(&self, design: &ExposedDesign, lesson: &Lesson<'_>) -> Result<Statistics, CameraError> {
         let (ExposedDesign { camera, exposure, scale, full, axes, .. }, data) = (design, &self.data);
         let outputs = ["X", "Y", "Z"].map(String::from).to_vec();
         let mut statistics = Statistics::new(axes.clone(), outputs, false)?;
-        for (seed, factor) in (data.seed..).zip(exposures) {
+        for (seed, factor) in (data.seed..).zip(lesson.exposures) {
             let exposure = Exposure { time_s: exposure.time_s * factor, ..*exposure };
             let raw = camera.sensor.capture_ideal(&*data.pixels, &exposure)?;
             let seen = camera.sensor.capture(&*data.pixels, &exposure, NoiseMode::All, seed)?;
             let mut target = Planes::clone(&data.seen);
             target.data_mut().iter_mut().for_each(|v| *v *= (scale * factor) as f32);
+            let brightness = target.plane(LUMINANCE)?.to_vec();
+            limit_brightness(&mut target, lesson.most as f32, &brightness);
             statistics.add(&Pair { raw: &raw, seen: Some(&seen), target: &target })?;
-            for (radiance, xyz) in &*data.surfaces {
-                let samples: Vec<f64> = design.samples(radiance).iter().map(|v| v * factor).collect();
-                statistics.add_even(&samples, &xyz.map(|v| v * full * factor), surface_patches)?;
+            for &(surfaces, patches) in lesson.surfaces {
+                for (radiance, xyz) in surfaces {
+                    let samples: Vec<f64> = design.samples(radiance).iter().map(|v| v * factor).collect();
+                    let bright = (full * factor).min(lesson.most / xyz[LUMINANCE]);
+                    statistics.add_even(&samples, &xyz.map(|v| v * bright), patches)?;
+                }
             }
         }
         Ok(statistics)
     }
+}
+
+/// What a pipeline is learned from, beside the training scene.
+struct Lesson<'a> {
+    /// The exposures, relative to that of the design.
+    exposures: &'a [f64],
+    /// Uniform surfaces, and the number of patches that each of them counts for at every exposure.
+    surfaces: &'a [(&'a [Surface], u32)],
+    /// The largest Y of a target, on the scale of the samples. The raw image does not determine the luminance of brighter light.
+    most: f64,
 }

@@ -4,7 +4,6 @@ use std::sync::Arc;
 
 use super::imaged_scene::ImagedScene;
 use super::learning_settings::LearningSettings;
-use super::training_scene;
 use crate::camera::chart::LUMINANCE;
 use crate::camera::{Camera, CameraError};
 use crate::l3::{Axes, L3Error, Levels};
@@ -16,6 +15,8 @@ use crate::spectrum::{Observer, Spectrum};
 const LEVEL_RANGE: [f64; 2] = [0.03, 0.6];
 /// Least response of a channel to white, relative to the brightest channel. Levels need a response above 0.
 const MIN_WHITE: f64 = 1e-3;
+/// Relative illuminance of the uniform surfaces.
+const SHADES: [f64; 3] = [1.0, 0.6, 0.3];
 /// Number of patches that a uniform surface counts for at each position. Of 16, 64, 128 and 256, it is the smallest with which
 /// five sets of Gaussian filters all have a smaller ΔE 1976 and ΔE 2000 on the surfaces than the fitted colour matrix. Larger
 /// numbers cost some resolution and cause false colour on black-and-white patterns.
@@ -33,6 +34,9 @@ pub(super) struct TrainingLight {
     pub(super) light: Spectrum,
 }
 
+/// A uniform surface: its radiance, and X, Y, Z with Y = 1 for fully lit white.
+pub(super) type Surface = (Spectrum, [f64; 3]);
+
 /// The training data of one camera. Nothing in it depends on the filters.
 #[derive(Debug, Clone)]
 pub(super) struct TrainingData {
@@ -43,8 +47,8 @@ pub(super) struct TrainingData {
     pub(super) pixels: Arc<PixelSpectra>,
     /// X, Y, Z of the reference at every pixel.
     pub(super) seen: Arc<Planes>,
-    /// Uniform surfaces: radiance and X, Y, Z, with Y = 1 for fully lit white.
-    pub(super) surfaces: Arc<Vec<(Spectrum, [f64; 3])>>,
+    /// Uniform surfaces: those that the camera's colour matrix is fitted to, so that learned and fitted colours use the same data.
+    pub(super) surfaces: Arc<Vec<Surface>>,
     /// Y of the reference for white.
     pub(super) white_y: f64,
     pub(super) light: Spectrum,
@@ -86,6 +90,17 @@ impl ExposedDesign {
     }
 }
 
+/// Uniform surfaces in full light and in shade, as seen in the light of white.
+fn seen_surfaces(reflectances: &[Spectrum], white: &Spectrum) -> Result<Vec<Surface>, CameraError> {
+    let luminance_cd_m2 = Observer::Cie1931.xyz_from_photons(white)?[LUMINANCE];
+    let lit = reflectances.iter().map(|s| Ok(s.times(white)?)).collect::<Result<Vec<_>, CameraError>>()?;
+    let seen = |s: Spectrum| {
+        let xyz = Observer::Cie1931.xyz_from_photons(&s)?.map(|v| v / luminance_cd_m2);
+        Ok((s, xyz))
+    };
+    SHADES.iter().flat_map(|&light| lit.iter().map(move |s| seen(s.scaled(light)?))).collect()
+}
+
 fn responses(responsivities: &[Spectrum], light: &Spectrum) -> Vec<f64> {
     let of = |r: &Spectrum| r.values().iter().zip(light.values()).map(|(r, l)| r * l).sum();
     responsivities.iter().map(of).collect()
@@ -102,16 +117,15 @@ impl TrainingData {
     ) -> Result<Self, CameraError> {
         settings.validate()?;
         let TrainingLight { pixels, seen, white_y, light } = light;
-        let luminance_cd_m2 = Observer::Cie1931.xyz_from_photons(&light)?[LUMINANCE];
-        let xyz = |s: Spectrum| {
-            let seen = Observer::Cie1931.xyz_from_photons(&s)?.map(|v| v / luminance_cd_m2);
-            Ok::<_, CameraError>((s, seen))
-        };
-        let surfaces =
-            training_scene::surfaces(&camera, &light)?.into_iter().map(xyz).collect::<Result<_, _>>()?;
+        let surfaces = seen_surfaces(&camera.surfaces()?, &light)?;
         let (settings, surfaces) = (settings.clone(), Arc::new(surfaces));
         let (pixels, seen) = (Arc::new(pixels), Arc::new(seen));
         Ok(Self { settings, chart, camera, pixels, seen, surfaces, white_y, light, seed })
+    }
+
+    /// Uniform surfaces of other reflectances, as `surfaces` has them.
+    pub(super) fn surfaces_of(&self, reflectances: &[Spectrum]) -> Result<Vec<Surface>, CameraError> {
+        seen_surfaces(reflectances, &self.light)
     }
 
     /// The exposure of a design for the chart, and the classes of its samples.

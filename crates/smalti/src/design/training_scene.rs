@@ -12,8 +12,6 @@ use crate::spectrum::{SpectralCube, Spectrum};
 const PIECE_PX: usize = 64;
 /// Relative illuminance of the pictures, in turn: all colours occur in shade as well.
 const BRIGHTNESS: [f32; 3] = [0.95, 0.95, 0.35];
-/// Relative illuminance of the uniform surfaces.
-const SHADES: [f64; 3] = [1.0, 0.6, 0.3];
 /// Seeds of leaves of one training scene: a multiple of the scales of leaves, and at least its pictures.
 const SCENE_SEEDS: usize = 4096;
 /// One picture of this many is a test pattern; the others are dead leaves.
@@ -62,13 +60,4 @@ fn spec(i: usize, number: u32, n: usize) -> String {
         3 => format!("checkerboard?squares=5&square={}&contrast=50", n.div_ceil(5)),
         _ => format!("frequency-sweep?rows={n}&cols={n}&contrast=0.05"),
     }
-}
-
-/// Radiance of uniform surfaces in full light and in shade. They are the surfaces that the camera's colour matrix is fitted to,
-/// so that learned and fitted colours use the same data.
-pub(super) fn surfaces(camera: &Camera, white: &Spectrum) -> Result<Vec<Spectrum>, CameraError> {
-    let all = camera.surfaces()?;
-    let lit = all.iter().map(|s| Ok(s.times(white)?)).collect::<Result<Vec<_>, CameraError>>()?;
-    let shaded = SHADES.iter().flat_map(|&light| lit.iter().map(move |s| Ok(s.scaled(light)?)));
-    shaded.collect()
 }

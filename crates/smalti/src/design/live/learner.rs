@@ -9,7 +9,7 @@ use super::setup::{LiveSetup, LiveTraining};
 use super::target_light::TargetLight;
 use crate::camera::description::{CameraDescription, CfaDescription, IspDescription};
 use crate::camera::stable_text::stable_text;
-use crate::camera::{Camera, CameraError};
+use crate::camera::{Camera, CameraError, training_reflectances};
 use crate::design::latest::keep_latest;
 use crate::design::learning_settings::{LearningSettings, LearningStatistics};
 use crate::design::pipeline_trainer::{PipelineTrainer, THOROUGH_LEVELS};
@@ -95,6 +95,8 @@ pub struct LiveLearner {
     seen: Planes,
     white_y: f64,
     white: Spectrum,
+    /// Reflectances of uniform surfaces, some of which are saturated.
+    saturated: Vec<Spectrum>,
     kept: VecDeque<(String, Arc<PipelineTrainer>)>,
 }
 
@@ -115,6 +117,7 @@ impl LiveLearner {
             seen: training.seen.planes().map_err(SensorError::from)?,
             white_y: training.white_y,
             white: Spectrum::new(grid, training.white)?,
+            saturated: training_reflectances(grid)?,
             kept: VecDeque::new(),
             setup,
         })
@@ -165,7 +168,9 @@ impl LiveLearner {
         let cfa = &camera.sensor.cfa;
         let (pipeline, learned_from) = match effort {
             LiveEffort::Quick => trainer.pipeline_in_any_light(cfa)?,
-            LiveEffort::Thorough => (trainer.thorough_pipeline(cfa)?, LearningStatistics::Patches),
+            LiveEffort::Thorough => {
+                (trainer.thorough_pipeline(cfa, &self.saturated)?, LearningStatistics::Patches)
+            }
         };
         Ok(LiveDesign { camera, lens, pipeline, luminance_cd_m2, learned_from, effort, seed })
     }
@@ -195,7 +200,13 @@ impl LiveLearner {
             seed: *seed,
             scenes: [
                 format!("training scene {} of studies, {1} × {1} pixels", learning.scene, learning.size_px),
-                "uniform surfaces with the reflectances of training".into(),
+                match effort {
+                    LiveEffort::Quick => "uniform surfaces with the reflectances of the colour matrix",
+                    LiveEffort::Thorough => {
+                        "uniform surfaces with the reflectances of the colour matrix and of training"
+                    }
+                }
+                .into(),
             ],
             learning,
         })?;
