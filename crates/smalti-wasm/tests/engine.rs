@@ -318,6 +318,27 @@ fn pictures_and_scores_go_on_where_the_light_saturates() {
     );
 }
 
+/// Where a design clips is what the library says of the share that the catalogue states.
+#[test]
+fn the_luminance_beyond_which_a_design_clips_is_that_of_the_library() {
+    let Files { camera, scene, training, .. } = files();
+    let mut engine = engine();
+    let share =
+        ask(&mut engine, &json!({"catalogue": {}})).said["saturated_percent"].as_f64().unwrap() / 100.0;
+    let learner = LiveLearner::new(training.clone()).unwrap();
+    let bare = learner.setup().camera().unwrap();
+    let mut pictures = LivePictures::new(scene.clone(), &Illuminant::D65, &bare).unwrap();
+    let request = |design: &CameraDescription| json!({"clipping": {"design": design, "scene": scene.name}});
+    let expected = pictures.saturating_luminance(&learner.camera(camera).unwrap(), share).unwrap();
+    assert_eq!(ask(&mut engine, &request(camera)).said, json!({"luminance_cd_m2": expected}));
+    let mut automatic = camera.clone();
+    automatic.exposure.time_ms = None;
+    assert_eq!(ask(&mut engine, &request(&automatic)).said, json!({"luminance_cd_m2": null}));
+    let mut other = camera.clone();
+    other.sensor.pixel.pitch_um = 1.0;
+    assert!(refused(&mut engine, &request(&other)).contains("pitch_um"));
+}
+
 #[test]
 fn camera_files_read_back() {
     let mut engine = engine();

@@ -149,9 +149,9 @@ export class Engine {
     this.setups = about.setups;
     /**
      * Built-in mosaics with their other names, tiles and default filters, the built-in filters by name, the built-in cameras, the least and
-     * the largest value of each key, and the smallest relevant difference of each score.
+     * the largest value of each key, the smallest relevant difference of each score, and the share of the samples beyond which a design clips noticeably, percent.
      * @type {{ cfas: { name: string, aliases?: string[], tile: string[], filters: Record<string, Filter> }[], filters: string[], cameras: Design[],
-     *   ranges: Record<string, [number, number]>, relevances: Record<string, { absolute?: number, relative?: number }> }}
+     *   ranges: Record<string, [number, number]>, relevances: Record<string, { absolute?: number, relative?: number }>, saturated_percent: number }}
      */
     this.catalogue = about.catalogue;
   }
@@ -295,15 +295,14 @@ export class Engine {
   }
 
   /**
-   * The share of the samples that a design saturates in a scene, percent, as of its picture. A worker of its own draws, so that it delays no picture of the page.
-   * @param {Design} design @param {string} scene @param {number} luminance cd/m² @returns {Promise<number>}
+   * The mean luminance of a scene beyond which a design saturates more than `catalogue.saturated_percent` of the samples, by their mean signals without noise, cd/m²: 0 if
+   * it does in any light, infinite if it never does.
+   * @param {Design} design @param {string} scene @returns {Promise<number>}
    */
-  saturated(design, scene, luminance) {
+  clipping(design, scene) {
     return again(async () => {
-      const bench = this.#gatherer({ scene });
-      const lens = await this.#supply(bench, design, ["training", { scene }]);
-      const { said } = await bench.ask("draw", { design, lens, scene, luminance_cd_m2: luminance, seed: SEED });
-      return said.saturated_percent;
+      const lens = await this.#supply(this.#pictures, design, ["training", { scene }]);
+      return (await this.#pictures.ask("clipping", { design, lens, scene })).said.luminance_cd_m2 ?? Infinity;
     });
   }
 

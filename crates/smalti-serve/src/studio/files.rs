@@ -52,9 +52,8 @@ macro_rules! embedded {
     };
 }
 
-static EMBEDDED: [(&str, &[u8]); 34] = embedded![
+static EMBEDDED: [(&str, &[u8]); 33] = embedded![
     "bench.js",
-    "clipping.js",
     "design.js",
     "designs.js",
     "dom.js",

@@ -27,6 +27,8 @@ pub(super) enum Request {
     Measure(DrawRequest),
     /// CIEDE2000 at every pixel between two pictures of a scene.
     Difference(DifferenceRequest),
+    /// The luminance beyond which a design clips a scene.
+    Clipping(ClippingRequest),
     /// Figures without a picture.
     Scores(ScoresRequest),
     /// Curves over wavelength.
@@ -155,6 +157,15 @@ impl From<RawRequest> for DrawRequest {
             thorough: true,
         }
     }
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ClippingRequest {
+    pub(super) design: Value,
+    #[serde(default)]
+    pub(super) lens: String,
+    pub(super) scene: String,
 }
 
 #[derive(Debug, Deserialize)]

@@ -23,8 +23,8 @@ const APART: f64 = 0.05;
 const HIGHER: f64 = 0.01;
 /// Independent channels that colour needs.
 const COLORS: usize = 3;
-/// Share of the samples that may saturate, percent.
-const SATURATED_PERCENT: f64 = 1.0;
+/// Share of the samples that may saturate, percent: beyond it, a design clips noticeably.
+pub(super) const SATURATED_PERCENT: f64 = 1.0;
 
 /// A warning about a key of a design.
 #[derive(Debug, Clone, PartialEq, Serialize)]
