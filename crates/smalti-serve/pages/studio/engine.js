@@ -88,12 +88,15 @@ import { Lights, START } from "./lights.js";
  * @property {Warning[]} warnings
  */
 
+/** A pigment in a filter, and its thickness relative to the built-in filter. @typedef {{ name: string, thickness: number }} Layer */
+
 /**
  * Curves over `wavelengths_nm`. `quantum_efficiency` is electrons per photon behind the filter, the infrared cut and the lens; `color` is
- * the filter as the standard observer sees it before the light, sRGB.
+ * the filter as the standard observer sees it before the light, sRGB. `pigments` are the layers of which the filter is made, of a thickness relative to the built-in
+ * filters, null if none make it.
  * @typedef {object} Curves
  * @property {number[]} wavelengths_nm
- * @property {{ letter: string, transmittance: number[], quantum_efficiency: number[], color: string }[]} channels
+ * @property {{ letter: string, transmittance: number[], quantum_efficiency: number[], color: string, pigments: Layer[] | null }[]} channels
  * @property {number[]} sensor_quantum_efficiency
  * @property {number[]} lens_transmittance Of the lens with its infrared cut.
  * @property {number[]} light Relative, its largest value is 1.

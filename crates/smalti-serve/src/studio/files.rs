@@ -52,7 +52,7 @@ macro_rules! embedded {
     };
 }
 
-static EMBEDDED: [(&str, &[u8]); 33] = embedded![
+static EMBEDDED: [(&str, &[u8]); 32] = embedded![
     "bench.js",
     "design.js",
     "designs.js",
@@ -75,7 +75,6 @@ static EMBEDDED: [(&str, &[u8]); 33] = embedded![
     "parts.css",
     "photographs.js",
     "picture.js",
-    "pigments.js",
     "scores.js",
     "sensor.js",
     "shapes.js",
