@@ -253,6 +253,49 @@ fn filters_that_the_page_found_can_be_made() {
     );
 }
 
+/// Each step of an improvement among pigments is one that a factory can make: with two pigments in a filter at most, as those of `smalti design`. The engine states
+/// them, and their layers make the curve.
+#[test]
+fn improvements_state_the_pigments_of_filters_that_can_be_made() {
+    let mut engine = engine();
+    let mut design = json!(files().camera);
+    let gaussian = |nm: f64| json!({"gaussian": {"center_nm": nm, "sigma_nm": 38.0, "peak": 0.9}});
+    design["sensor"]["cfa"] = json!({
+        "pattern": ["RG", "GB"],
+        "filters": {"R": gaussian(605.0), "G": gaussian(540.0), "B": gaussian(455.0)},
+    });
+    let curves = |engine: &mut Engine, design: &Value| {
+        ask(engine, &json!({"curves": {"design": design}})).said["channels"].as_array().unwrap().clone()
+    };
+    let pigment = |name: &str| {
+        let spectrum = Filter::Builtin(name.into()).spectrum(WavelengthGrid::VISIBLE).unwrap();
+        let most = spectrum.max();
+        spectrum.values().iter().map(|t| (t / most).max((-7.0f64).exp())).collect::<Vec<f64>>()
+    };
+    assert!(curves(&mut engine, &design).iter().all(|channel| channel["pigments"].is_null()));
+    let begin = json!({"improve": {"design": design, "locks": {"mosaic": true}, "luminances_cd_m2": [2.0], "family": "pigments"}});
+    let mut step = ask(&mut engine, &begin).said;
+    let mut costs = Vec::new();
+    while !step["is_done"].as_bool().unwrap() {
+        for channel in curves(&mut engine, &step["design"]) {
+            let layers = channel["pigments"].as_array().unwrap();
+            assert!((1..=2).contains(&layers.len()), "{channel}");
+            let mut made = vec![0.95; 31];
+            for layer in layers {
+                let thickness = layer["thickness"].as_f64().unwrap();
+                let of_pigment = pigment(layer["name"].as_str().unwrap());
+                made.iter_mut().zip(of_pigment).for_each(|(m, t)| *m *= t.powf(thickness));
+            }
+            for (made, stated) in made.iter().zip(channel["transmittance"].as_array().unwrap()) {
+                assert!((made - stated.as_f64().unwrap()).abs() < 0.005, "{channel}");
+            }
+        }
+        costs.push(step["cost"].as_f64().unwrap());
+        step = ask(&mut engine, &json!({"step": {}})).said;
+    }
+    assert!(costs.len() > 3 && costs.is_sorted_by(|a, b| a >= b), "{costs:?}");
+}
+
 /// Arrays that cannot tell all colours apart, whatever the noise of their colour matrix.
 #[test]
 fn arrays_that_confuse_colours_are_named() {

@@ -131,7 +131,7 @@ impl Curves for Sampled {
         parameters.iter().zip(&self.absorbances).map(of).collect()
     }
 
-    /// Keeps the strongest pigments of the array, then those of each filter.
+    /// Keeps the strongest pigments of the array, then those of each filter. A filter that is given has no parameters.
     fn prune(&self, filters: &mut [Vec<f64>]) -> bool {
         let mut pruned = false;
         let mut remove = |parameter: &mut f64| {
@@ -143,7 +143,7 @@ impl Curves for Sampled {
             of_array.iter_mut().zip(self.strengths(parameters)).for_each(|(sum, s)| *sum += s);
         }
         let unused = weakest(&of_array, self.max_materials);
-        for parameters in filters {
+        for parameters in filters.iter_mut().filter(|p| !p.is_empty()) {
             unused.iter().for_each(|&at| remove(&mut parameters[at]));
             let strengths = self.strengths(parameters);
             weakest(&strengths, self.max_pigments).iter().for_each(|&at| remove(&mut parameters[at]));
@@ -236,12 +236,14 @@ mod tests {
         let sampled = Sampled::new(&family, WavelengthGrid::VISIBLE).unwrap();
         let mut random = Stream::new(7, 8, 9);
         let mut filters: Vec<Vec<f64>> = (0..6).map(|_| sampled.random(&mut random)).collect();
+        // One more is given.
+        filters.push(Vec::new());
         assert!(sampled.prune(&mut filters) && !sampled.prune(&mut filters));
         let present = |p: &[f64]| -> Vec<usize> {
             let thick = sampled.thicknesses(p).unwrap();
             (0..thick.len()).filter(|i| thick[*i] > 1e-12).collect()
         };
-        assert!(filters.iter().all(|p| present(p).len() <= 2));
+        assert!(filters.iter().all(|p| present(p).len() <= 2) && filters[6].is_empty());
         let all: std::collections::BTreeSet<usize> = filters.iter().flat_map(|p| present(p)).collect();
         assert!(!all.is_empty() && all.len() <= 3, "{all:?}");
     }
