@@ -548,6 +548,46 @@ fn infrared_is_judged_where_curves_are_stated() {
 }
 
 #[test]
+/// A design has in another mosaic the filters of the camera that was opened, and those that were changed by hand in place of those of their kind.
+#[test]
+fn mosaics_keep_the_filters_of_the_camera_and_those_changed_by_hand() {
+    let mut engine = engine();
+    let request = |base: &Value, given: &Value, changed: &Value, array: &Value, mosaic: &str| json!({"mosaic": {"base": base, "given": given, "changed": changed, "array": array, "mosaic": mosaic}});
+    let builtin = |name: &str| json!({"builtin": name});
+    let base = json!({"pattern": "bayer"});
+    let full = |filters: Value| json!({"pattern": ["GR", "BG"], "filters": filters});
+    let plain = full(json!({"R": builtin("red"), "G": builtin("green"), "B": builtin("blue")}));
+    let own = ask(&mut engine, &request(&base, &base, &json!([]), &plain, "bayer")).said;
+    assert_eq!((&own["is_own"], &own["array"]), (&json!(true), &own["in_full"]));
+    let mine = json!({"gaussian": {"center_nm": 611.0, "sigma_nm": 30.0, "peak": 0.9}});
+    let by_hand = full(json!({"R": mine, "G": builtin("green"), "B": builtin("blue")}));
+    let rgbw = ask(&mut engine, &request(&base, &base, &json!([]), &by_hand, "rgbw")).said;
+    assert_eq!(rgbw["given"], json!({"pattern": "rgbw"}));
+    assert_eq!(rgbw["is_own"], json!(false));
+    assert_eq!((&rgbw["in_full"]["filters"]["R"], &rgbw["array"]["filters"]["R"]), (&builtin("red"), &mine));
+    assert_eq!(
+        (&rgbw["in_full"]["pattern"], &rgbw["array"]["filters"]["W"]),
+        (&rgbw["array"]["pattern"], &builtin("white"))
+    );
+    // The change is remembered where the mosaic has no such filter, and ends where it is taken back.
+    let mono =
+        ask(&mut engine, &request(&base, &rgbw["given"], &rgbw["changed"], &rgbw["array"], "mono")).said;
+    assert_eq!(
+        (&mono["array"]["filters"], &mono["changed"][0]["filter"]),
+        (&json!({"W": builtin("white")}), &mine)
+    );
+    let again =
+        ask(&mut engine, &request(&base, &mono["given"], &mono["changed"], &mono["array"], "bayer")).said;
+    assert_eq!(again["array"]["filters"], by_hand["filters"]);
+    let back = ask(&mut engine, &request(&base, &again["given"], &again["changed"], &plain, "rgbw")).said;
+    assert_eq!((&back["array"], &back["changed"]), (&back["in_full"], &json!([])));
+    // A camera with curves of its own has none for some letters.
+    let measured = json!({"pattern": "bayer", "filters": {"R": mine}});
+    let missing = ask(&mut engine, &request(&measured, &measured, &json!([]), &by_hand, "rgbw")).said;
+    assert_eq!(missing, json!({"missing": ["W"]}));
+    assert!(refused(&mut engine, &request(&base, &base, &json!([]), &plain, "bayr")).contains("bayer"));
+}
+
 fn what_is_wrong_is_told() {
     let mut engine = engine();
     let Files { camera, scene, .. } = files();

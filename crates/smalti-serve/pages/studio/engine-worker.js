@@ -158,6 +158,7 @@ const tasks = {
     return ask("improve", content);
   },
   step: async (content) => ask("step", content),
+  mosaic: async (content) => ask("mosaic", content),
   camera_toml: async (content) => ask("camera_toml", content),
   parse: async (content) => ask("parse", content),
 };

@@ -35,11 +35,13 @@ import { Lights, START } from "./lights.js";
  * @property {string} [name]
  * @property {number[]} [wavelengths_nm] First, step and last.
  * @property {Record<string, any>} [optics]
- * @property {{ quantum_efficiency?: Filter, pixel?: Record<string, number>, cfa?: { pattern?: string | string[],
- *   filters?: Record<string, Filter>, mixtures?: Record<string, Record<string, number>> }, [key: string]: any }} [sensor]
+ * @property {{ quantum_efficiency?: Filter, pixel?: Record<string, number>, cfa?: ColorArray, [key: string]: any }} [sensor]
  * @property {Record<string, any>} [exposure]
  * @property {Record<string, any>} [isp]
  */
+
+/** The colour filter array of a camera description. @typedef {{ pattern?: string | string[], filters?: Record<string, Filter>, mixtures?: Record<string, Record<string, number>> }} ColorArray */
+/** An array with its tile in letters and with all of its filters. @typedef {{ pattern: string[], filters: Record<string, Filter> }} FullArray */
 
 /** A scene; `file` is its light, if it came with the page. @typedef {{ id: string, name: string, set: "charts" | "natural" | "own", file?: string | null }} Scene */
 /** @typedef {{ row: number, col: number, rows: number, cols: number }} Crop */
@@ -343,6 +345,17 @@ export class Engine {
       const lens = await this.#supply(this.#pictures, design, ["training", { scene }]);
       return new Blob([(await this.#pictures.ask("raw", { design, lens, scene, luminance_cd_m2: luminance, seed })).bytes]);
     });
+  }
+
+  /**
+   * The array of a design with another mosaic of the catalogue: that of `CAMERA@MOSAIC` for the camera that was opened, and the same with the filters that were changed by hand.
+   * `base` is the array of that camera, `given` the same with the mosaic that was chosen last, `changed` the filters that were changed before that, `array` the present one.
+   * `missing` has the letters for which the camera, which has curves of its own, has no filter.
+   * @param {{ base: ColorArray, given: ColorArray, changed: object[], array: ColorArray, mosaic: string }} wanted
+   * @returns {Promise<{ missing: string[] } | { given: ColorArray, in_full: FullArray, array: FullArray, changed: object[], is_own: boolean }>}
+   */
+  async mosaic(wanted) {
+    return (await again(() => this.#figures.ask("mosaic", wanted))).said;
   }
 
   /** The camera file of a design, for all other commands. @param {Design} design @returns {Promise<string>} */

@@ -115,7 +115,7 @@ async function start() {
   const work = { again: () => {} };
   const picture = setUpPicture(() => work.again());
   const scores = setUpScores(engine.catalogue);
-  const mosaic = setUpMosaic(store, engine.catalogue, () => colors);
+  const mosaic = setUpMosaic(store, engine, () => colors);
   const filters = setUpFilters(store, engine, () => curves);
   const sensor = setUpSensor(store, engine, adopt);
   const gathering = byId("gathering", HTMLElement);

@@ -6,6 +6,7 @@ mod file;
 mod improving;
 mod infrared;
 mod lens;
+mod mosaic;
 mod photograph;
 mod request;
 mod text;
@@ -154,6 +155,7 @@ impl Engine {
                 improving.step();
                 Answer::of(&improving.said()?)
             }
+            Request::Mosaic(request) => Answer::of(&mosaic::exchanged(*request)?),
             Request::Light(request) => {
                 let bytes = self.sources.light(cameras::from_json(request.design)?, &request.of)?;
                 Ok(Answer { said: json!({}), bytes })

@@ -6,6 +6,8 @@ use smalti::design::live::{LiveCrop, LiveEffort, LiveFamily, LiveLocks};
 use smalti::design::search::{FilterSpace, FreeCurves};
 use smalti::sensor::NoiseMode;
 
+use super::mosaic::MosaicRequest;
+
 /// Knots of free curves: one in 20 nm.
 const KNOTS: usize = 16;
 
@@ -40,6 +42,8 @@ pub(super) enum Request {
     Improve(ImproveRequest),
     /// The next step of the improvement.
     Step {},
+    /// A design with another mosaic of the catalogue.
+    Mosaic(Box<MosaicRequest>),
     /// The light behind the lens of a design, as the file that is loaded for it.
     Light(LightRequest),
     /// Forgets the light of a lens.
