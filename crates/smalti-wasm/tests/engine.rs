@@ -341,7 +341,8 @@ fn pictures_and_scores_go_on_where_the_light_saturates() {
         assert!(measured["cpsnr_db"].as_f64().unwrap().is_finite(), "{measured}");
         let share = said["saturated_percent"].as_f64().unwrap();
         let stated = format!(
-            "{share:.1} % of the samples saturate: the picture and its scores show clipped highlights"
+            "{share:.1} % of the samples saturate: the picture and its scores show clipping, in highlights and in saturated colours, \
+             which clip some channels at a lower luminance than white does"
         );
         let is_stated = said["warnings"].as_array().unwrap().iter().any(|w| w["message"] == stated.as_str());
         assert_eq!(is_stated, share > 1.0, "{said}");
@@ -547,7 +548,6 @@ fn infrared_is_judged_where_curves_are_stated() {
     assert_eq!(cut, [""; 0]);
 }
 
-#[test]
 /// A design has in another mosaic the filters of the camera that was opened, and those that were changed by hand in place of those of their kind.
 #[test]
 fn mosaics_keep_the_filters_of_the_camera_and_those_changed_by_hand() {
@@ -588,6 +588,7 @@ fn mosaics_keep_the_filters_of_the_camera_and_those_changed_by_hand() {
     assert!(refused(&mut engine, &request(&base, &base, &json!([]), &plain, "bayr")).contains("bayer"));
 }
 
+#[test]
 fn what_is_wrong_is_told() {
     let mut engine = engine();
     let Files { camera, scene, .. } = files();
