@@ -3,7 +3,7 @@ import assert from "node:assert/strict";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { axe, weakContrast } from "./browser.mjs";
-import { cells, pixels, settled, stated, studio, text } from "./studio.mjs";
+import { cells, pixels, settled, startFrom, stated, studio, text } from "./studio.mjs";
 
 let own;
 before(async () => { own = await studio(); });
@@ -14,7 +14,7 @@ for (const colorScheme of ["light", "dark"]) {
   test(`it is accessible and fits from 360 px to 4K in ${colorScheme}`, async () => {
     const { page, faults, close } = await open({ colorScheme });
     // A mosaic with a clear filter, and a difference from what is pinned.
-    await page.getByLabel("Start from").selectOption("rgbw");
+    await startFrom(page, "rgbw");
     await page.getByLabel("Preset").selectOption({ label: "phone" });
     await settled(page);
     await page.keyboard.press("Control+z");
@@ -66,7 +66,7 @@ test("on a phone the picture stays at the top while the rest scrolls, unless the
 test("nothing moves when a shape with more fields is chosen and when lists are opened", async () => {
   const { page, faults, close } = await open();
   const boxes = () => Promise.all(["#stage", ".card.filters", ".scores"].map((s) => page.locator(s).boundingBox()));
-  await page.getByLabel("Start from").selectOption("rgbw");
+  await startFrom(page, "rgbw");
   await page.getByLabel("Infrared cut").selectOption("none");
   await page.locator("#warnings[data-some]").waitFor();
   await settled(page);
@@ -106,7 +106,7 @@ test("that there are no warnings is said once the picture and the figures are kn
 test("no letter of a filter lies on another one, and no curve crosses it", async () => {
   const { page, faults, close } = await open();
   for (const mosaic of ["rgbw", "rgbcmy", "bayer"]) {
-    await page.getByLabel("Start from").selectOption(mosaic);
+    await startFrom(page, mosaic);
     if (mosaic === "bayer") await page.getByRole("button", { name: "Add a filter" }).click();
     await settled(page);
     for (const [width, height] of [[1440, 900], [360, 740], [3840, 2160]]) {
@@ -261,7 +261,7 @@ test("a new picture is on the canvas a tenth of a second after a movement of the
 
 test("picture, scores and their differences follow a change in half a second", async () => {
   const { page, faults, close } = await open();
-  await page.getByLabel("Start from").selectOption("rgbw");
+  await startFrom(page, "rgbw");
   await page.getByRole("radio", { name: "Filter G" }).click();
   await page.getByLabel("Shape of filter G").selectOption("gaussian");
   await settled(page);

@@ -4,13 +4,12 @@ import { spawnSync } from "node:child_process";
 import { writeFile } from "node:fs/promises";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
-import { cells, field, filterOf, saved, settled, smalti, studioAndSite, toml } from "./studio.mjs";
+import { cells, field, filterOf, saved, settled, smalti, startFrom, studioAndSite, toml } from "./studio.mjs";
 
 let own;
 before(async () => { own = await studioAndSite(); });
 after(() => own?.end());
 const open = (...args) => own.open(...args);
-const startFrom = (page, mosaic) => page.getByLabel("Start from").selectOption(mosaic);
 // The design as the command reads it from the saved file.
 async function read(page) {
   await writeFile(join(own.dir, "read.toml"), await toml(page));
@@ -27,14 +26,15 @@ test("every built-in camera has with every mosaic the filters that CAMERA@MOSAIC
   const { page, close } = await open();
   const { catalogue, found } = await page.evaluate(async () => {
     const [{ Engine }, { originOf, withMosaic }] = await Promise.all(["engine.js", "exchange.js"].map((file) => import(new URL(file, document.baseURI))));
-    const { catalogue } = await Engine.start("engine/");
+    const engine = await Engine.start("engine/");
+    const { catalogue } = engine;
     const all = catalogue.cfas.filter(({ tile, filters }) => [...tile.join("")].every((letter) => letter in filters));
-    const found = catalogue.cameras.flatMap((design) => all.map((mosaic) => {
+    const found = await Promise.all(catalogue.cameras.flatMap((design) => all.map(async (mosaic) => {
       const origin = originOf(catalogue, design);
-      const { camera, missing } = withMosaic(catalogue, origin.camera, origin, mosaic);
+      const { camera, missing = [] } = await withMosaic(engine, origin.camera, origin, mosaic.name);
       const isOwn = [mosaic.name, ...mosaic.aliases].includes(design.sensor.cfa.pattern);
       return { of: design.name, isOwn, hasBinning: Boolean(design.sensor.binning), mosaic: mosaic.name, camera, missing };
-    }));
+    })));
     return { catalogue, found };
   });
   await close();

@@ -1,13 +1,13 @@
 // Makes the pictures of the studio in the documentation for tools/make_pictures.py: `SMALTI FOLDER`. Each shows what RGBW changes against the
 // pinned Bayer mosaic.
 import { pictures } from "./pictures.mjs";
-import { settled } from "./studio.mjs";
+import { settled, startFrom } from "./studio.mjs";
 
 await pictures(["studio", "bayer"], [
   ["studio", "wide", "light", "one"], ["studio-dark", "wide", "dark", "split"], ["studio-phone", "phone", "light", "split"], ["studio-phone-dark", "phone", "dark", "map"],
 ], async (page, view) => {
   await settled(page);
-  await page.getByLabel("Start from").selectOption("rgbw");
+  await startFrom(page, "rgbw");
   await page.getByLabel("Name of the design").fill("rgbw");
   await page.getByLabel("Name of the design").press("Enter");
   if (view === "split") await page.getByLabel("Against").selectOption("pin");

@@ -5,7 +5,7 @@ import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { pathToFileURL } from "node:url";
 import { crc32, deflateSync } from "node:zlib";
-import { cells, pixels, saved, score, settled, site, studio, toml } from "./studio.mjs";
+import { cells, pixels, saved, score, settled, site, startFrom, studio, toml } from "./studio.mjs";
 
 let own;
 before(async () => { own = await studio(); });
@@ -14,7 +14,7 @@ const open = (...args) => own.open(...args);
 
 test("a shared address opens the same design, and the saved camera file is that of the command", async () => {
   const { page, faults, close } = await open();
-  await page.getByLabel("Start from").selectOption("rgbw");
+  await startFrom(page, "rgbw");
   await page.getByLabel("Name of the design").fill("night <b>");
   await page.getByLabel("Name of the design").press("Enter");
   await page.getByLabel("Read noise").fill("2.5");
@@ -68,7 +68,7 @@ test("a shared address opens the same design, and the saved camera file is that 
 
 test("an address that is pasted into the open page opens its design, which can be undone", async () => {
   const { page, close } = await open();
-  await page.getByLabel("Start from").selectOption("rgbw");
+  await startFrom(page, "rgbw");
   await page.locator("#scene").selectOption("spices");
   await page.getByLabel("Luminance", { exact: true }).press("Home");
   await settled(page);

@@ -84,6 +84,11 @@ export const pixels = (page) => page.locator("#canvas").evaluate((canvas) => {
   for (let i = 0; i < data.length; i += 1) hash = (hash * 31 + data[i]) | 0;
   return hash;
 });
+// Gives a mosaic to the design. The list has its name until the design has it, or until it is refused.
+export async function startFrom(page, mosaic) {
+  await page.getByLabel("Start from").selectOption(mosaic);
+  await page.waitForFunction(() => document.getElementById("template").value === "");
+}
 export const score = async (page, name) => Number((await page.locator(".tile", { has: page.getByText(name, { exact: true }) }).locator(".value").textContent()).replace("−", "-"));
 export const field = (page, key) => page.locator(`[data-parameter="${key}"]`);
 export async function saved(page, name) {

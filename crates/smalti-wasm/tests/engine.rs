@@ -253,6 +253,49 @@ fn filters_that_the_page_found_can_be_made() {
     );
 }
 
+/// Each step of an improvement among pigments is one that a factory can make: with two pigments in a filter at most, as those of `smalti design`. The engine states
+/// them, and their layers make the curve.
+#[test]
+fn improvements_state_the_pigments_of_filters_that_can_be_made() {
+    let mut engine = engine();
+    let mut design = json!(files().camera);
+    let gaussian = |nm: f64| json!({"gaussian": {"center_nm": nm, "sigma_nm": 38.0, "peak": 0.9}});
+    design["sensor"]["cfa"] = json!({
+        "pattern": ["RG", "GB"],
+        "filters": {"R": gaussian(605.0), "G": gaussian(540.0), "B": gaussian(455.0)},
+    });
+    let curves = |engine: &mut Engine, design: &Value| {
+        ask(engine, &json!({"curves": {"design": design}})).said["channels"].as_array().unwrap().clone()
+    };
+    let pigment = |name: &str| {
+        let spectrum = Filter::Builtin(name.into()).spectrum(WavelengthGrid::VISIBLE).unwrap();
+        let most = spectrum.max();
+        spectrum.values().iter().map(|t| (t / most).max((-7.0f64).exp())).collect::<Vec<f64>>()
+    };
+    assert!(curves(&mut engine, &design).iter().all(|channel| channel["pigments"].is_null()));
+    let begin = json!({"improve": {"design": design, "locks": {"mosaic": true}, "luminances_cd_m2": [2.0], "family": "pigments"}});
+    let mut step = ask(&mut engine, &begin).said;
+    let mut costs = Vec::new();
+    while !step["is_done"].as_bool().unwrap() {
+        for channel in curves(&mut engine, &step["design"]) {
+            let layers = channel["pigments"].as_array().unwrap();
+            assert!((1..=2).contains(&layers.len()), "{channel}");
+            let mut made = vec![0.95; 31];
+            for layer in layers {
+                let thickness = layer["thickness"].as_f64().unwrap();
+                let of_pigment = pigment(layer["name"].as_str().unwrap());
+                made.iter_mut().zip(of_pigment).for_each(|(m, t)| *m *= t.powf(thickness));
+            }
+            for (made, stated) in made.iter().zip(channel["transmittance"].as_array().unwrap()) {
+                assert!((made - stated.as_f64().unwrap()).abs() < 0.005, "{channel}");
+            }
+        }
+        costs.push(step["cost"].as_f64().unwrap());
+        step = ask(&mut engine, &json!({"step": {}})).said;
+    }
+    assert!(costs.len() > 3 && costs.is_sorted_by(|a, b| a >= b), "{costs:?}");
+}
+
 /// Arrays that cannot tell all colours apart, whatever the noise of their colour matrix.
 #[test]
 fn arrays_that_confuse_colours_are_named() {
@@ -298,7 +341,8 @@ fn pictures_and_scores_go_on_where_the_light_saturates() {
         assert!(measured["cpsnr_db"].as_f64().unwrap().is_finite(), "{measured}");
         let share = said["saturated_percent"].as_f64().unwrap();
         let stated = format!(
-            "{share:.1} % of the samples saturate: the picture and its scores show clipped highlights"
+            "{share:.1} % of the samples saturate: the picture and its scores show clipping, in highlights and in saturated colours, \
+             which clip some channels at a lower luminance than white does"
         );
         let is_stated = said["warnings"].as_array().unwrap().iter().any(|w| w["message"] == stated.as_str());
         assert_eq!(is_stated, share > 1.0, "{said}");
@@ -316,6 +360,27 @@ fn pictures_and_scores_go_on_where_the_light_saturates() {
         expected.as_array().unwrap().iter().all(|e| e["cpsnr_db"].as_f64().unwrap().is_finite()),
         "{expected}"
     );
+}
+
+/// Where a design clips is what the library says of the share that the catalogue states.
+#[test]
+fn the_luminance_beyond_which_a_design_clips_is_that_of_the_library() {
+    let Files { camera, scene, training, .. } = files();
+    let mut engine = engine();
+    let share =
+        ask(&mut engine, &json!({"catalogue": {}})).said["saturated_percent"].as_f64().unwrap() / 100.0;
+    let learner = LiveLearner::new(training.clone()).unwrap();
+    let bare = learner.setup().camera().unwrap();
+    let mut pictures = LivePictures::new(scene.clone(), &Illuminant::D65, &bare).unwrap();
+    let request = |design: &CameraDescription| json!({"clipping": {"design": design, "scene": scene.name}});
+    let expected = pictures.saturating_luminance(&learner.camera(camera).unwrap(), share).unwrap();
+    assert_eq!(ask(&mut engine, &request(camera)).said, json!({"luminance_cd_m2": expected}));
+    let mut automatic = camera.clone();
+    automatic.exposure.time_ms = None;
+    assert_eq!(ask(&mut engine, &request(&automatic)).said, json!({"luminance_cd_m2": null}));
+    let mut other = camera.clone();
+    other.sensor.pixel.pitch_um = 1.0;
+    assert!(refused(&mut engine, &request(&other)).contains("pitch_um"));
 }
 
 #[test]
@@ -481,6 +546,46 @@ fn infrared_is_judged_where_curves_are_stated() {
         design["sensor"]["cfa"]["filters"]["R"] = table(fading.clone());
     });
     assert_eq!(cut, [""; 0]);
+}
+
+/// A design has in another mosaic the filters of the camera that was opened, and those that were changed by hand in place of those of their kind.
+#[test]
+fn mosaics_keep_the_filters_of_the_camera_and_those_changed_by_hand() {
+    let mut engine = engine();
+    let request = |base: &Value, given: &Value, changed: &Value, array: &Value, mosaic: &str| json!({"mosaic": {"base": base, "given": given, "changed": changed, "array": array, "mosaic": mosaic}});
+    let builtin = |name: &str| json!({"builtin": name});
+    let base = json!({"pattern": "bayer"});
+    let full = |filters: Value| json!({"pattern": ["GR", "BG"], "filters": filters});
+    let plain = full(json!({"R": builtin("red"), "G": builtin("green"), "B": builtin("blue")}));
+    let own = ask(&mut engine, &request(&base, &base, &json!([]), &plain, "bayer")).said;
+    assert_eq!((&own["is_own"], &own["array"]), (&json!(true), &own["in_full"]));
+    let mine = json!({"gaussian": {"center_nm": 611.0, "sigma_nm": 30.0, "peak": 0.9}});
+    let by_hand = full(json!({"R": mine, "G": builtin("green"), "B": builtin("blue")}));
+    let rgbw = ask(&mut engine, &request(&base, &base, &json!([]), &by_hand, "rgbw")).said;
+    assert_eq!(rgbw["given"], json!({"pattern": "rgbw"}));
+    assert_eq!(rgbw["is_own"], json!(false));
+    assert_eq!((&rgbw["in_full"]["filters"]["R"], &rgbw["array"]["filters"]["R"]), (&builtin("red"), &mine));
+    assert_eq!(
+        (&rgbw["in_full"]["pattern"], &rgbw["array"]["filters"]["W"]),
+        (&rgbw["array"]["pattern"], &builtin("white"))
+    );
+    // The change is remembered where the mosaic has no such filter, and ends where it is taken back.
+    let mono =
+        ask(&mut engine, &request(&base, &rgbw["given"], &rgbw["changed"], &rgbw["array"], "mono")).said;
+    assert_eq!(
+        (&mono["array"]["filters"], &mono["changed"][0]["filter"]),
+        (&json!({"W": builtin("white")}), &mine)
+    );
+    let again =
+        ask(&mut engine, &request(&base, &mono["given"], &mono["changed"], &mono["array"], "bayer")).said;
+    assert_eq!(again["array"]["filters"], by_hand["filters"]);
+    let back = ask(&mut engine, &request(&base, &again["given"], &again["changed"], &plain, "rgbw")).said;
+    assert_eq!((&back["array"], &back["changed"]), (&back["in_full"], &json!([])));
+    // A camera with curves of its own has none for some letters.
+    let measured = json!({"pattern": "bayer", "filters": {"R": mine}});
+    let missing = ask(&mut engine, &request(&measured, &measured, &json!([]), &by_hand, "rgbw")).said;
+    assert_eq!(missing, json!({"missing": ["W"]}));
+    assert!(refused(&mut engine, &request(&base, &base, &json!([]), &plain, "bayr")).contains("bayer"));
 }
 
 #[test]

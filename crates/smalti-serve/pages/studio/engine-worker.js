@@ -127,6 +127,10 @@ const tasks = {
     const warnings = [...said.warnings, ...measured?.said.warnings ?? []];
     return { said: { ...learned, ...said, warnings, scores: measured?.said ?? null, timings_ms: { learn, draw, score: score ?? 0 } }, bytes: all };
   },
+  clipping: async (content) => {
+    await loadPictures(content);
+    return ask("clipping", content);
+  },
   difference: async ({ picture, other }) => {
     await Promise.all([loadPictures(picture), loadPictures(other)]);
     return ask("difference", { picture, other });
@@ -154,6 +158,7 @@ const tasks = {
     return ask("improve", content);
   },
   step: async (content) => ask("step", content),
+  mosaic: async (content) => ask("mosaic", content),
   camera_toml: async (content) => ask("camera_toml", content),
   parse: async (content) => ask("parse", content),
 };

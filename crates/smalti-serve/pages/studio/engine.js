@@ -35,11 +35,13 @@ import { Lights, START } from "./lights.js";
  * @property {string} [name]
  * @property {number[]} [wavelengths_nm] First, step and last.
  * @property {Record<string, any>} [optics]
- * @property {{ quantum_efficiency?: Filter, pixel?: Record<string, number>, cfa?: { pattern?: string | string[],
- *   filters?: Record<string, Filter>, mixtures?: Record<string, Record<string, number>> }, [key: string]: any }} [sensor]
+ * @property {{ quantum_efficiency?: Filter, pixel?: Record<string, number>, cfa?: ColorArray, [key: string]: any }} [sensor]
  * @property {Record<string, any>} [exposure]
  * @property {Record<string, any>} [isp]
  */
+
+/** The colour filter array of a camera description. @typedef {{ pattern?: string | string[], filters?: Record<string, Filter>, mixtures?: Record<string, Record<string, number>> }} ColorArray */
+/** An array with its tile in letters and with all of its filters. @typedef {{ pattern: string[], filters: Record<string, Filter> }} FullArray */
 
 /** A scene; `file` is its light, if it came with the page. @typedef {{ id: string, name: string, set: "charts" | "natural" | "own", file?: string | null }} Scene */
 /** @typedef {{ row: number, col: number, rows: number, cols: number }} Crop */
@@ -88,12 +90,15 @@ import { Lights, START } from "./lights.js";
  * @property {Warning[]} warnings
  */
 
+/** A pigment in a filter, and its thickness relative to the built-in filter. @typedef {{ name: string, thickness: number }} Layer */
+
 /**
  * Curves over `wavelengths_nm`. `quantum_efficiency` is electrons per photon behind the filter, the infrared cut and the lens; `color` is
- * the filter as the standard observer sees it before the light, sRGB.
+ * the filter as the standard observer sees it before the light, sRGB. `pigments` are the layers of which the filter is made, of a thickness relative to the built-in
+ * filters, null if none make it.
  * @typedef {object} Curves
  * @property {number[]} wavelengths_nm
- * @property {{ letter: string, transmittance: number[], quantum_efficiency: number[], color: string }[]} channels
+ * @property {{ letter: string, transmittance: number[], quantum_efficiency: number[], color: string, pigments: Layer[] | null }[]} channels
  * @property {number[]} sensor_quantum_efficiency
  * @property {number[]} lens_transmittance Of the lens with its infrared cut.
  * @property {number[]} light Relative, its largest value is 1.
@@ -149,9 +154,9 @@ export class Engine {
     this.setups = about.setups;
     /**
      * Built-in mosaics with their other names, tiles and default filters, the built-in filters by name, the built-in cameras, the least and
-     * the largest value of each key, and the smallest relevant difference of each score.
+     * the largest value of each key, the smallest relevant difference of each score, and the share of the samples beyond which a design clips noticeably, percent.
      * @type {{ cfas: { name: string, aliases?: string[], tile: string[], filters: Record<string, Filter> }[], filters: string[], cameras: Design[],
-     *   ranges: Record<string, [number, number]>, relevances: Record<string, { absolute?: number, relative?: number }> }}
+     *   ranges: Record<string, [number, number]>, relevances: Record<string, { absolute?: number, relative?: number }>, saturated_percent: number }}
      */
     this.catalogue = about.catalogue;
   }
@@ -295,15 +300,14 @@ export class Engine {
   }
 
   /**
-   * The share of the samples that a design saturates in a scene, percent, as of its picture. A worker of its own draws, so that it delays no picture of the page.
-   * @param {Design} design @param {string} scene @param {number} luminance cd/m² @returns {Promise<number>}
+   * The mean luminance of a scene beyond which a design saturates more than `catalogue.saturated_percent` of the samples, by their mean signals without noise, cd/m²: 0 if
+   * it does in any light, infinite if it never does.
+   * @param {Design} design @param {string} scene @returns {Promise<number>}
    */
-  saturated(design, scene, luminance) {
+  clipping(design, scene) {
     return again(async () => {
-      const bench = this.#gatherer({ scene });
-      const lens = await this.#supply(bench, design, ["training", { scene }]);
-      const { said } = await bench.ask("draw", { design, lens, scene, luminance_cd_m2: luminance, seed: SEED });
-      return said.saturated_percent;
+      const lens = await this.#supply(this.#pictures, design, ["training", { scene }]);
+      return (await this.#pictures.ask("clipping", { design, lens, scene })).said.luminance_cd_m2 ?? Infinity;
     });
   }
 
@@ -341,6 +345,17 @@ export class Engine {
       const lens = await this.#supply(this.#pictures, design, ["training", { scene }]);
       return new Blob([(await this.#pictures.ask("raw", { design, lens, scene, luminance_cd_m2: luminance, seed })).bytes]);
     });
+  }
+
+  /**
+   * The array of a design with another mosaic of the catalogue: that of `CAMERA@MOSAIC` for the camera that was opened, and the same with the filters that were changed by hand.
+   * `base` is the array of that camera, `given` the same with the mosaic that was chosen last, `changed` the filters that were changed before that, `array` the present one.
+   * `missing` has the letters for which the camera, which has curves of its own, has no filter.
+   * @param {{ base: ColorArray, given: ColorArray, changed: object[], array: ColorArray, mosaic: string }} wanted
+   * @returns {Promise<{ missing: string[] } | { given: ColorArray, in_full: FullArray, array: FullArray, changed: object[], is_own: boolean }>}
+   */
+  async mosaic(wanted) {
+    return (await again(() => this.#figures.ask("mosaic", wanted))).said;
   }
 
   /** The camera file of a design, for all other commands. @param {Design} design @returns {Promise<string>} */

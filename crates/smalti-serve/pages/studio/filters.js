@@ -4,7 +4,6 @@ import { announce, byId, draw, make, setOptions, tell, textScale } from "./dom.j
 import { letters, withFilter } from "./design.js";
 import { filterOfCsv } from "./files.js";
 import { placeLabels } from "./labels.js";
-import { PigmentLibrary, layersOf, layersText } from "./pigments.js";
 import { FIRST_NM, LAST_NM, SHAPES, drawnOver, handlesOf, likeShape, shapeOf } from "./shapes.js";
 import { THICKEST, THINNEST, baseOf, editedShape, ofThickness, thicknessHandles, thicknessOf } from "./thickness.js";
 
@@ -291,13 +290,13 @@ export function setUpFilters(store, engine, curves) {
     return make("label", { class: `field number${isWide ? " wide" : ""}`, title }, make("span", {}, label), make("span", { class: "unit" }, input, unit));
   }
 
-  const pigments = new PigmentLibrary(engine);
   /** Of which pigments the selected filter is made, if of any. */
-  function layersOfSelected() {
-    const [all, own] = [curves(), channel()];
-    const library = all && pigments.at(all.wavelengths_nm, showPanel);
-    const layers = own && library && layersOf(own.transmittance, library);
-    return layers ? layersText(layers) : "";
+  function pigmentsText() {
+    const pigments = channel()?.pigments;
+    if (!pigments) return "";
+    if (pigments.length === 0) return "Clear: no pigment.";
+    const thickness = (/** @type {number} */ t) => (t < 0.01 ? t.toPrecision(1) : t.toFixed(2));
+    return `Pigments: ${pigments.map((p) => `${thickness(p.thickness)} × ${p.name}`).join(" + ")}. A thickness of 1 is that of the built-in filter.`;
   }
 
   function fields() {
@@ -329,7 +328,7 @@ export function setUpFilters(store, engine, curves) {
     }
     if (shape === "samples") {
       const layers = make("p", { class: "wide hint" });
-      refreshers.push(() => { layers.textContent = layersOfSelected(); });
+      refreshers.push(() => { layers.textContent = pigmentsText(); });
       rows.push(layers);
     }
     return rows;

@@ -2,7 +2,6 @@
 // The studio: starts the engine, opens a design, and joins the parts of the page.
 import { announce, atFrame, byId, make, setUpMessages, tell, untell } from "./dom.js";
 import { withValue } from "./design.js";
-import { Clipping } from "./clipping.js";
 import { Engine } from "./engine.js";
 import { inFull, originOf } from "./exchange.js";
 import { camerasOfResults, curvesCsv, fileName, save } from "./files.js";
@@ -115,8 +114,8 @@ async function start() {
 
   const work = { again: () => {} };
   const picture = setUpPicture(() => work.again());
-  const scores = setUpScores(engine.catalogue.relevances);
-  const mosaic = setUpMosaic(store, engine.catalogue, () => colors);
+  const scores = setUpScores(engine.catalogue);
+  const mosaic = setUpMosaic(store, engine, () => colors);
   const filters = setUpFilters(store, engine, () => curves);
   const sensor = setUpSensor(store, engine, adopt);
   const gathering = byId("gathering", HTMLElement);
@@ -167,6 +166,7 @@ async function start() {
       showScores();
     },
     pinMap: picture.showPinMap,
+    clipping: scores.showClipping,
     curves(known, { camera }) {
       curves = known;
       curvesOf = JSON.stringify(camera);
@@ -195,7 +195,6 @@ async function start() {
       document.documentElement.dataset.settled = String(store.at);
       if (isChanged) announce(`${said}. ${scores.warned()}${isLimited ? ` ${limitsText()}` : ""}`);
       isChanged = isLimited = false;
-      findClipping();
     },
     worked(loop) {
       const text = failures.get(loop);
@@ -226,22 +225,9 @@ async function start() {
       if (loop === "pictures" || !failures.has("pictures")) tell(text, "trouble");
     },
   });
-  const clipping = new Clipping(engine);
   let clippingOf = "";
-  /** Finds from which luminance on the design and the pinned one clip the scene, after all else. */
-  async function findClipping() {
-    const { camera, pinned } = wanted();
-    try {
-      const limits = await clipping.of([camera, ...(pinned ? [pinned] : [])], scene.value);
-      if (limits) scores.showClipping(limits[0], limits[1] ?? Infinity);
-    } catch {
-      // The page tells what hinders pictures; the curves then keep the note that they include no clipping.
-      scores.showClipping(undefined, Infinity);
-    }
-  }
   const soon = atFrame(() => {
     isWaiting = false;
-    clipping.stop();
     // What is known of another scene does not hold; that of a design before a change does about.
     if (clippingOf !== scene.value) scores.showClipping(undefined, Infinity);
     clippingOf = scene.value;

@@ -19,10 +19,10 @@ const ARROWS = /** @type {Record<string, [number, number]>} */ ({ ArrowUp: [-1, 
 
 /**
  * Sets up the editor. `colors` has the colour of each filter as seen.
- * @param {Store} store @param {Engine["catalogue"]} catalogue @param {() => Record<string, string>} colors
+ * @param {Store} store @param {Engine} engine @param {() => Record<string, string>} colors
  * @returns {() => void} Shows the design, after a change of colours too.
  */
-export function setUpMosaic(store, catalogue, colors) {
+export function setUpMosaic(store, engine, colors) {
   const grid = byId("grid", HTMLDivElement);
   const palette = byId("palette", HTMLDivElement);
   const [rowsField, colsField] = [byId("rows", HTMLInputElement), byId("cols", HTMLInputElement)];
@@ -146,19 +146,31 @@ export function setUpMosaic(store, catalogue, colors) {
   }
 
   // Mosaics of mixtures have letters without a filter, which this editor does not paint.
-  const plain = catalogue.cfas.filter(({ tile, filters }) => Math.max(tile.length, tile[0].length) <= MAX_SIDE && [...tile.join("")].every((l) => l in filters));
+  const plain = engine.catalogue.cfas.filter(({ tile, filters }) => Math.max(tile.length, tile[0].length) <= MAX_SIDE && [...tile.join("")].every((l) => l in filters));
   template.append(...plain.map(({ name, tile }) => make("option", { value: name }, `${name} (${tile.length} × ${tile[0].length})`)));
-  template.addEventListener("change", () => {
-    const chosen = plain.find(({ name }) => name === template.value);
-    template.value = "";
-    if (!chosen) return;
-    const { camera, origin, missing } = withMosaic(catalogue, store.camera, store.origin, chosen);
-    if (missing.length > 0) {
+  /** Gives a mosaic of the catalogue to the design, as it is when the engine has answered. @param {Engine["catalogue"]["cfas"][number]} chosen */
+  async function startFrom(chosen) {
+    const { name, tile } = chosen;
+    const { at, camera, origin } = store;
+    const found = await withMosaic(engine, camera, origin, name);
+    if (store.at !== at || store.camera !== camera) return startFrom(chosen);
+    if ("missing" in found) {
+      const { missing } = found;
       const filters = missing.length === 1 ? `a filter for ${missing[0]}` : `filters for ${missing.join(", ")}`;
-      return tell(`${chosen.name} needs ${filters}, and ${origin.base.name} has curves of its own, which the generic filters of the catalogue do not fit. Add filters and paint with them, or start from another camera preset.`, "trouble");
+      return tell(`${name} needs ${filters}, and ${origin.base.name} has curves of its own, which the generic filters of the catalogue do not fit. Add filters and paint with them, or start from another camera preset.`, "trouble");
     }
-    store.change(camera, `the mosaic ${chosen.name}`, undefined, origin);
-    announce(`${chosen.name}: ${chosen.tile.length} rows, ${chosen.tile[0].length} columns, ${letters(store.camera).length} filters`);
+    store.change(found.camera, `the mosaic ${name}`, undefined, found.origin);
+    announce(`${name}: ${tile.length} rows, ${tile[0].length} columns, ${letters(store.camera).length} filters`);
+  }
+  template.addEventListener("change", async () => {
+    const chosen = plain.find(({ name }) => name === template.value);
+    try {
+      if (chosen) await startFrom(chosen);
+    } catch (error) {
+      tell(`${error instanceof Error ? error.message : error}.`, "trouble");
+    }
+    // It has the name of the mosaic until the design has it.
+    if (template.value === chosen?.name) template.value = "";
   });
 
   const add = make("button", { type: "button", class: "swatch add", "aria-label": "Add a filter", title: "Add a filter", click: () => {

@@ -1,8 +1,8 @@
 // @ts-check
 // The scores: each with what the change from the pinned design did, also as a bar, and expected figures over light.
-import { CLIPS_PERCENT } from "./clipping.js";
 import { byId, draw, make, textScale } from "./dom.js";
 import { SEED } from "./engine.js";
+import { LUMINANCES } from "./work.js";
 
 /** @typedef {import("./engine.js").Picture} Picture */
 /** @typedef {import("./engine.js").Scores} Scores */
@@ -97,8 +97,8 @@ function bar(score, from, to, relevance) {
 /** A message as a sentence. @param {string} message */
 const sentence = (message) => `${message[0].toUpperCase()}${message.slice(1).replace(/\.$/, "")}.`;
 
-/** @param {import("./engine.js").Engine["catalogue"]["relevances"]} relevances */
-export function setUpScores(relevances) {
+/** @param {import("./engine.js").Engine["catalogue"]} catalogue */
+export function setUpScores({ relevances, saturated_percent: most }) {
   const tiles = byId("tiles", HTMLElement);
   const metric = byId("metric", HTMLSelectElement);
   const place = byId("light-curve", HTMLDivElement);
@@ -126,12 +126,14 @@ export function setUpScores(relevances) {
   /** The greatest luminance without noticeable clipping of the design, `undefined` until it is known, and of the pinned one, cd/m². @type {{ own: number | undefined, pin: number }} */
   let clips = { own: undefined, pin: Infinity };
   const clipping = byId("clipping", HTMLElement);
-  /** What is said of clipping. @param {number} last The greatest luminance of the curves. */
-  function clippingText(last) {
+  const [darkest, brightest] = [LUMINANCES[0], LUMINANCES[LUMINANCES.length - 1]];
+  /** What is said of clipping. */
+  function clippingText() {
     const { own } = clips;
-    const limit = own === undefined ? "." : own === 0 ? ": at every luminance shown (dotted), the design clips more than 1 % of the samples of this scene."
-      : own >= last ? `. Up to ${last} cd/m², the design clips at most 1 % of the samples of this scene.`
-        : `: beyond ${own} cd/m² (dotted), the design clips more than 1 % of the samples of this scene.`;
+    const what = `the design clips more than ${most} % of the samples of this scene`;
+    const limit = own === undefined ? "." : own < darkest ? `: at every luminance shown (dotted), ${what}.`
+      : own >= brightest ? `. Up to ${brightest} cd/m², the design clips at most ${most} % of the samples of this scene.`
+        : `: beyond ${Number(own.toPrecision(3))} cd/m² (dotted), ${what}.`;
     return `Expected figures do not include clipping${limit}`;
   }
 
@@ -174,7 +176,7 @@ export function setUpScores(relevances) {
     /** A curve, dotted where the design clips. @param {string} kind @param {import("./engine.js").Expected[]} curve @param {number} limit */
     const drawn = (kind, curve, limit) => {
       const points = curve.map((e) => /** @type {[number, number]} */ ([x(e.luminance_cd_m2), y(e[key])]));
-      const [sound, clipped] = cut(points, limit > 0 ? x(limit) : -Infinity);
+      const [sound, clipped] = cut(points, x(limit));
       return [...(clipped.length > 1 ? [draw("path", { class: `${kind} clips`, d: path(clipped) })] : []), ...(sound.length > 1 ? [draw("path", { class: kind, d: path(sound) })] : [])];
     };
     const decades = Array.from({ length: Math.round(last - first) + 1 }, (_, i) => 10 ** (Math.round(first) + i));
@@ -189,7 +191,7 @@ export function setUpScores(relevances) {
       ...drawn("own", over.own, clips.own ?? Infinity),
     );
     const ends = over.own.length > 0 ? `from ${text(over.own[0][key], 1)} at ${over.own[0].luminance_cd_m2} cd/m² to ${text(over.own[over.own.length - 1][key], 1)} at ${over.own[over.own.length - 1].luminance_cd_m2} cd/m²` : "";
-    svg.setAttribute("aria-label", `Expected ${FIGURES[key].label} over luminance, ${ends}. ${clippingText(over.own[over.own.length - 1]?.luminance_cd_m2 ?? 1000)}`);
+    svg.setAttribute("aria-label", `Expected ${FIGURES[key].label} over luminance, ${ends}. ${clippingText()}`);
   }
   metric.addEventListener("change", showCurve);
   new ResizeObserver(() => {
@@ -207,7 +209,7 @@ export function setUpScores(relevances) {
     show(own, pin) {
       /** @type {string[]} */
       const said = [];
-      const isClipped = [own, pin].some((k) => (k?.picture?.saturated_percent ?? 0) > CLIPS_PERCENT);
+      const isClipped = [own, pin].some((k) => (k?.picture?.saturated_percent ?? 0) > most);
       for (const { score, value, delta, gauge, fill } of parts) {
         const now = score.get(own);
         const before = pin && score.get(pin);
@@ -234,7 +236,7 @@ export function setUpScores(relevances) {
     /** Shows up to which luminance the design and the pinned one do not clip the scene, cd/m². @param {number | undefined} own @param {number} pin */
     showClipping(own, pin) {
       clips = { own, pin };
-      clipping.textContent = clippingText(1000);
+      clipping.textContent = clippingText();
       showCurve();
     },
     /** Says why there are no curves. @param {string} text */

@@ -13,11 +13,11 @@ import { withAllFilters } from "./design.js";
 /** What goes on beside each other. @typedef {"pictures" | "figures"} Loop */
 /**
  * Where results go. A picture without scores comes first, unless the map of differences is looked at; the same with scores follows. The pinned picture is
- * `undefined` while none is known for the scene and the light. `waits` says whose light is being gathered, for a picture or for figures. `worked` follows the first
+ * `undefined` while none is known for the scene and the light. `clipping` has the luminance beyond which each design clips the scene noticeably. `waits` says whose light is being gathered, for a picture or for figures. `worked` follows the first
  * result of a loop, `done` the last results of both.
  * @typedef {{
  *   picture: (picture: Picture, wanted: Wanted) => void, pinned: (picture: Picture | undefined, wanted: Wanted) => void,
- *   pinMap: (difference: Float32Array | undefined, of: Picture) => void, curves: (curves: import("./engine.js").Curves, wanted: Wanted) => void,
+ *   pinMap: (difference: Float32Array | undefined, of: Picture) => void, curves: (curves: import("./engine.js").Curves, wanted: Wanted) => void, clipping: (own: number, pinned: number) => void,
  *   figures: (own: Scores, pinned: Scores | undefined, wanted: Wanted) => void, overLight: (own: Expected[], pinned: Expected[], luminance: number) => void, done: () => void,
  *   worked: (loop: Loop) => void, failed: (loop: Loop, error: unknown) => void, waits: (design: Camera | undefined, isForPicture: boolean) => void,
  * }} Results
@@ -55,6 +55,7 @@ export function setUpWork(engine, wanted, seen, results) {
   let renewed = new Promise((resolve) => { renew = resolve; });
   /** @type {Last<Picture>} */ const pinPicture = new Last();
   /** @type {Last<Float32Array>} */ const pinMap = new Last();
+  /** @type {Last<number>} */ const pinClipping = new Last();
   /** @type {Last<Scores>} */ const pinFigures = new Last();
   /** Loops at work. @type {Set<Loop>} */
   const busy = new Set();
@@ -140,7 +141,12 @@ export function setUpWork(engine, wanted, seen, results) {
     if (isOld()) return false;
     if (!measured) return false;
     results.picture(measured, now);
-    return showPin();
+    if (!(await showPin())) return false;
+    const own = await engine.clipping(camera, scene);
+    const before = pinned && await pinClipping.get(JSON.stringify([pinned, scene]), () => engine.clipping(pinned, scene));
+    if (isOld()) return false;
+    results.clipping(own, before ?? Infinity);
+    return true;
   }
 
   /** @param {() => boolean} isOld */

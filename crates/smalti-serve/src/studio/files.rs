@@ -52,9 +52,8 @@ macro_rules! embedded {
     };
 }
 
-static EMBEDDED: [(&str, &[u8]); 34] = embedded![
+static EMBEDDED: [(&str, &[u8]); 32] = embedded![
     "bench.js",
-    "clipping.js",
     "design.js",
     "designs.js",
     "dom.js",
@@ -76,7 +75,6 @@ static EMBEDDED: [(&str, &[u8]); 34] = embedded![
     "parts.css",
     "photographs.js",
     "picture.js",
-    "pigments.js",
     "scores.js",
     "sensor.js",
     "shapes.js",

@@ -3,6 +3,7 @@
 use std::fmt;
 
 use smalti::camera::CameraError;
+use smalti::camera::description::ExchangeError;
 use smalti::design::DesignError;
 use smalti::design::live::LiveLockError;
 use smalti_io::studio::StudioAssetError;
@@ -29,6 +30,8 @@ pub enum EngineError {
     NoScene(String),
     /// A filter or a cell is kept that the array does not have.
     NoLock(LiveLockError),
+    /// A design cannot have a mosaic.
+    Mosaic(ExchangeError),
     /// A photograph has a wrong size, or cannot become a scene.
     Photograph(String),
     /// A camera file or the JSON of a design is wrong.
@@ -56,6 +59,7 @@ impl fmt::Display for EngineError {
             Self::Missing(what) => write!(f, "{what} is missing; expected before this request"),
             Self::NoScene(name) => write!(f, "scene: there is no scene '{name}'"),
             Self::NoLock(what) => write!(f, "locks: {what}"),
+            Self::Mosaic(error) => write!(f, "mosaic: {error}"),
             Self::Photograph(what) => write!(f, "photograph: {what}"),
             Self::Text(diagnostic) => diagnostic.fmt(f),
             Self::Camera(error) => error.fmt(f),
@@ -84,7 +88,8 @@ from!(
     CameraError => Camera,
     DesignError => Design,
     IoError => File,
-    LiveLockError => NoLock
+    LiveLockError => NoLock,
+    ExchangeError => Mosaic
 );
 
 impl From<StudioAssetError> for EngineError {

@@ -8,8 +8,10 @@ use smalti::color::{ColorSpace, Image};
 use smalti::design::light::LightStatistics;
 use smalti::design::live::live_conditions;
 use smalti::design::screen::{ExpectedError, FigureWeights, Figures, Screen};
+use smalti::design::search::{FilterSpace, Pigments, SampledSpace};
 use smalti::numeric::Planes;
-use smalti::spectrum::{Illuminant, Observer, Spectrum};
+use smalti::sensor::Filter;
+use smalti::spectrum::{Illuminant, Observer, Spectrum, WavelengthGrid};
 
 use super::EngineError;
 use super::warnings::{self, Warning};
@@ -113,12 +115,21 @@ fn of_light(
     Ok((expected(&found, luminances_cd_m2), derivatives))
 }
 
+/// A pigment in a filter.
+#[derive(Debug, Serialize)]
+pub(super) struct Layer {
+    name: String,
+    thickness: f64,
+}
+
 #[derive(Debug, Serialize)]
 pub(super) struct Channel {
     letter: String,
     transmittance: Vec<f64>,
     quantum_efficiency: Vec<f64>,
     color: String,
+    /// The pigments that make the filter, `None` if none do.
+    pigments: Option<Vec<Layer>>,
 }
 
 #[derive(Debug, Serialize)]
@@ -141,6 +152,7 @@ pub(super) struct Curves {
 
 pub(super) fn curves(camera: &Camera, illuminant: &Illuminant) -> Result<Curves, CameraError> {
     let (grid, cfa) = (camera.grid(), &camera.sensor.cfa);
+    let pigments = PigmentsOn::new(grid);
     let light = illuminant.photons(grid)?;
     let lens = camera.optics.transmittance_on(grid)?;
     let channel = |(channel, response): (&smalti::sensor::Channel, Spectrum)| {
@@ -149,6 +161,7 @@ pub(super) fn curves(camera: &Camera, illuminant: &Illuminant) -> Result<Curves,
             transmittance: channel.transmittance.values().to_vec(),
             quantum_efficiency: response.times(&lens)?.values().to_vec(),
             color: color(&channel.transmittance, &light)?,
+            pigments: pigments.of(&channel.transmittance),
         })
     };
     let responses = camera.sensor.spectral_responsivity_on(grid)?;
@@ -173,6 +186,34 @@ pub(super) fn curves(camera: &Camera, illuminant: &Illuminant) -> Result<Curves,
             .map(|row| (0..mosaic.cols()).map(|col| name(row, col)).collect())
             .collect(),
     })
+}
+
+/// The pigments of searches at some wavelengths.
+struct PigmentsOn {
+    names: Vec<String>,
+    /// `None` at wavelengths where the pigments are not known.
+    sampled: Option<SampledSpace>,
+}
+
+impl PigmentsOn {
+    fn new(grid: WavelengthGrid) -> Self {
+        let family = Pigments::default();
+        let name = |filter: &Filter| match filter {
+            Filter::Builtin(name) => name.clone(),
+            other => format!("{other:?}"),
+        };
+        let names: Vec<String> = family.library.iter().map(name).collect();
+        // A filter is stated that other searches made, with more pigments than those of the page.
+        let any = FilterSpace::Pigments(Pigments { max_pigments: names.len(), ..family });
+        Self { names, sampled: any.sampled(grid).ok() }
+    }
+
+    /// The pigments that make a filter; `None` if none do.
+    fn of(&self, transmittance: &Spectrum) -> Option<Vec<Layer>> {
+        let thicknesses = self.sampled.as_ref()?.layers(transmittance)?;
+        let layer = |(name, thickness): (&String, f64)| Layer { name: name.clone(), thickness };
+        Some(self.names.iter().zip(thicknesses).filter(|(_, t)| *t > 0.0).map(layer).collect())
+    }
 }
 
 /// A filter before a light as the standard observer sees it, beside white: sRGB as `#rrggbb`.

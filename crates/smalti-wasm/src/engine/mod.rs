@@ -6,6 +6,7 @@ mod file;
 mod improving;
 mod infrared;
 mod lens;
+mod mosaic;
 mod photograph;
 mod request;
 mod text;
@@ -26,7 +27,7 @@ pub use error::EngineError;
 pub use file::StudioFile;
 use improving::Improving;
 use lens::{Lens, Sources};
-use request::{DifferenceRequest, DrawRequest, Request};
+use request::{ClippingRequest, DifferenceRequest, DrawRequest, Request};
 
 /// Bytes of the longest request.
 const MAX_REQUEST: usize = 4 << 20;
@@ -121,6 +122,7 @@ impl Engine {
             Request::Raw(request) => self.raw(&request.into()),
             Request::Measure(request) => self.measure(&request),
             Request::Difference(request) => self.difference(&request),
+            Request::Clipping(request) => self.clipping(request),
             Request::Scores(request) => {
                 let camera = camera(request.design)?;
                 let observer = self.observer(&camera)?;
@@ -153,6 +155,7 @@ impl Engine {
                 improving.step();
                 Answer::of(&improving.said()?)
             }
+            Request::Mosaic(request) => Answer::of(&mosaic::exchanged(*request)?),
             Request::Light(request) => {
                 let bytes = self.sources.light(cameras::from_json(request.design)?, &request.of)?;
                 Ok(Answer { said: json!({}), bytes })
@@ -271,6 +274,16 @@ impl Engine {
         said["warnings"] = serde_json::to_value(warnings::of_targets(&targets))?;
         said["targets"] = serde_json::to_value(targets)?;
         Ok(Answer { said, bytes })
+    }
+
+    /// The mean luminance of a scene beyond which a design saturates more than [`warnings::SATURATED_PERCENT`] of the samples; null if it never does.
+    fn clipping(&mut self, request: ClippingRequest) -> Result<Answer, EngineError> {
+        let description = cameras::from_json(request.design)?;
+        let lens = self.lens_mut(&request.lens)?;
+        let camera = lens.learner()?.camera(&description)?;
+        let share = warnings::SATURATED_PERCENT / 100.0;
+        let luminance = lens.pictures(&request.scene)?.saturating_luminance(&camera, share)?;
+        Answer::of(&json!({"luminance_cd_m2": luminance}))
     }
 
     /// CIEDE2000 at every pixel between two pictures of a scene, of which the other one is kept.

@@ -6,6 +6,8 @@ use smalti::design::live::{LiveCrop, LiveEffort, LiveFamily, LiveLocks};
 use smalti::design::search::{FilterSpace, FreeCurves};
 use smalti::sensor::NoiseMode;
 
+use super::mosaic::MosaicRequest;
+
 /// Knots of free curves: one in 20 nm.
 const KNOTS: usize = 16;
 
@@ -27,6 +29,8 @@ pub(super) enum Request {
     Measure(DrawRequest),
     /// CIEDE2000 at every pixel between two pictures of a scene.
     Difference(DifferenceRequest),
+    /// The luminance beyond which a design clips a scene.
+    Clipping(ClippingRequest),
     /// Figures without a picture.
     Scores(ScoresRequest),
     /// Curves over wavelength.
@@ -38,6 +42,8 @@ pub(super) enum Request {
     Improve(ImproveRequest),
     /// The next step of the improvement.
     Step {},
+    /// A design with another mosaic of the catalogue.
+    Mosaic(Box<MosaicRequest>),
     /// The light behind the lens of a design, as the file that is loaded for it.
     Light(LightRequest),
     /// Forgets the light of a lens.
@@ -155,6 +161,15 @@ impl From<RawRequest> for DrawRequest {
             thorough: true,
         }
     }
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ClippingRequest {
+    pub(super) design: Value,
+    #[serde(default)]
+    pub(super) lens: String,
+    pub(super) scene: String,
 }
 
 #[derive(Debug, Deserialize)]

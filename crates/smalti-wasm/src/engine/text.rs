@@ -10,6 +10,7 @@ use smalti::sensor::cfa;
 use smalti_io::{TomlSource, cameras, designs};
 
 use super::EngineError;
+use super::warnings::SATURATED_PERCENT;
 
 /// Characters of the longest camera file.
 const MAX_TEXT: usize = 1 << 20;
@@ -44,7 +45,8 @@ pub(super) fn parse(text: &str) -> Result<CameraDescription, EngineError> {
     Ok(cameras::from_source_with_notes(&source, &[], None)?.stated)
 }
 
-/// The mosaics, filters and cameras that are built in, the ranges of the keys of camera files, and the smallest relevant differences of the scores.
+/// The mosaics, filters and cameras that are built in, the ranges of the keys of camera files, the smallest relevant differences of the scores, and the share of the
+/// samples beyond which a design clips noticeably.
 pub(super) fn catalogue() -> Result<Value, EngineError> {
     let of_cfa = |info: &cfa::CfaInfo| -> Result<Value, EngineError> {
         let tile = cfa::pattern(info.name).map_err(smalti::camera::CameraError::from)?;
@@ -63,7 +65,12 @@ pub(super) fn catalogue() -> Result<Value, EngineError> {
         Relevance::Relative(share) => (*metric, json!({"relative": share})),
     };
     let relevances: BTreeMap<&str, Value> = SCORED.iter().map(relevance).collect();
-    Ok(
-        json!({"cfas": cfas, "filters": filters, "cameras": cameras, "ranges": ranges, "relevances": relevances}),
-    )
+    Ok(json!({
+        "cfas": cfas,
+        "filters": filters,
+        "cameras": cameras,
+        "ranges": ranges,
+        "relevances": relevances,
+        "saturated_percent": SATURATED_PERCENT,
+    }))
 }

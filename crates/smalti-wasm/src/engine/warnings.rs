@@ -23,8 +23,8 @@ const APART: f64 = 0.05;
 const HIGHER: f64 = 0.01;
 /// Independent channels that colour needs.
 const COLORS: usize = 3;
-/// Share of the samples that may saturate, percent.
-const SATURATED_PERCENT: f64 = 1.0;
+/// Share of the samples that may saturate, percent: beyond it, a design clips noticeably.
+pub(super) const SATURATED_PERCENT: f64 = 1.0;
 
 /// A warning about a key of a design.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -204,7 +204,8 @@ pub(super) fn of_capture(saturated_percent: f64) -> Option<Warning> {
     (saturated_percent > SATURATED_PERCENT).then(|| Warning {
         key: "exposure.time_ms".into(),
         message: format!(
-            "{saturated_percent:.1} % of the samples saturate: the picture and its scores show clipped highlights"
+            "{saturated_percent:.1} % of the samples saturate: the picture and its scores show clipping, in highlights and in saturated colours, \
+             which clip some channels at a lower luminance than white does"
         ),
         filter: None,
     })

@@ -24,7 +24,7 @@ pub struct Camera {
     pub optics: Optics,
     /// The image sensor.
     pub sensor: Sensor,
-    exposure_time: ExposureTime,
+    pub(super) exposure_time: ExposureTime,
     analog_gain: f64,
     analog_offset_v: f64,
     gain: GainChoice,

@@ -23,6 +23,7 @@ mod photograph;
 mod ranges;
 mod reference;
 mod resolve;
+mod saturation;
 pub(crate) mod score;
 pub(crate) mod stable_text;
 pub(crate) mod target;

@@ -81,7 +81,11 @@ impl AutoExposure {
     }
 
     /// The metered signal over all samples, photoelectrons per second, each plane with the full exposure time.
-    fn rate_of_samples<'a>(&self, sensor: &Sensor, light: impl Into<Light<'a>>) -> Result<f64, SensorError> {
+    pub(crate) fn rate_of_samples<'a>(
+        &self,
+        sensor: &Sensor,
+        light: impl Into<Light<'a>>,
+    ) -> Result<f64, SensorError> {
         let share = match *self {
             Self::Mean { .. } => None,
             Self::SaturatedShare { share } => {
@@ -139,7 +143,8 @@ impl AutoExposure {
         self.time_for_rate(sensor, rate, exposure)
     }
 
-    fn rate_of_metered(sensor: &Sensor, irradiance: &Spectrum) -> Result<f64, SensorError> {
+    /// The signal of a [metered](Self::metered) irradiance in the sensor's most sensitive channel, photoelectrons per second.
+    pub(crate) fn rate_of_metered(sensor: &Sensor, irradiance: &Spectrum) -> Result<f64, SensorError> {
         let grid = irradiance.grid();
         let area = sensor.pixel.photodetector_area_m2();
         let rates = sensor.spectral_responsivity_on(grid)?.into_iter().map(|channel| {

@@ -1,7 +1,7 @@
 //! Live pictures of designs: those of a study for the same light, a part as in the whole, and improvements under locks.
 #![allow(clippy::unwrap_used)]
 
-use smalti::camera::description::{CfaDescription, PatternDescription};
+use smalti::camera::description::{AutoExposureName, CfaDescription, PatternDescription};
 use smalti::camera::{
     COMPARED_NOISE_CAPTURES, Camera, CameraDescription, EvaluationSettings, TestScene, evaluate_with,
     score_picture,
@@ -157,6 +157,56 @@ fn resolution_and_noise_are_those_of_an_evaluation() {
         let found = found.unwrap();
         assert!((found / expected - 1.0).abs() < 0.005, "{found} {expected}");
     }
+}
+
+/// The luminance beyond which a camera saturates a share of the samples is that of its ideal captures.
+#[test]
+fn cameras_saturate_in_the_light_that_is_stated() {
+    let (scene, training) = light(&camera());
+    let (mut learner, mut pictures) = live(scene, training);
+    let with = |change: &dyn Fn(&mut CameraDescription)| {
+        let mut description = camera();
+        change(&mut description);
+        description
+    };
+    let mut limit = |description: &CameraDescription, share: f64| {
+        let camera = learner.camera(description).unwrap();
+        let limit = pictures.saturating_luminance(&camera, share).unwrap();
+        let mut saturated = |luminance: f64| {
+            let design = learner.learn(description, luminance, 1, LiveEffort::Quick).unwrap();
+            pictures.raw(&design, NoiseMode::None, 1).unwrap().saturated_percent() / 100.0
+        };
+        // An exposure that follows the light saturates as much in any light.
+        for factor in [0.5, 0.998] {
+            assert!(limit < 0.01 || saturated(factor * limit.min(1e4)) <= share, "{limit}");
+        }
+        // Samples are rounded to numbers: half a step of 1024.
+        assert!(limit == f64::INFINITY || saturated(1.01 * limit.max(1.0)) > share, "{limit}");
+        limit
+    };
+    let stated = limit(&camera(), 0.01);
+    assert!(stated > 1.0 && limit(&camera(), 0.3) > 1.1 * stated, "{stated}");
+    let longer = limit(&with(&|c| c.exposure.time_ms = Some(8.0)), 0.01);
+    assert!((longer / stated - 0.5).abs() < 1e-4, "{longer} {stated}");
+    let automatic = |name: AutoExposureName, target: Option<f64>| {
+        with(&|c| {
+            c.exposure.time_ms = None;
+            c.exposure.auto = Some(name);
+            c.exposure.auto_target = target;
+        })
+    };
+    assert_eq!(limit(&automatic(AutoExposureName::Specular, None), 0.01), f64::INFINITY);
+    assert_eq!(limit(&automatic(AutoExposureName::Mean, Some(0.02)), 0.01), f64::INFINITY);
+    assert!(limit(&automatic(AutoExposureName::Mean, Some(0.9)), 0.01) < 0.01);
+    // Dark current fills half of the range, or all of it.
+    let bright = Camera::new(camera(), WavelengthGrid::VISIBLE).unwrap();
+    let range_v = bright.sensor.saturation_v(&bright.gain_and_offset());
+    let mut dark = |share_of_range: f64| {
+        let description = with(&|c| c.sensor.pixel.dark_voltage_v_per_s = share_of_range * range_v / 4e-3);
+        pictures.saturating_luminance(&learner.camera(&description).unwrap(), 0.01).unwrap()
+    };
+    let (half, all) = (dark(0.5), dark(1.1));
+    assert!((half / stated - 0.5).abs() < 1e-3 && all == 0.0, "{half} {stated} {all}");
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::{CfaDescription, PatternDescription};
@@ -49,20 +50,39 @@ fn listed(letters: &[char]) -> String {
     }
 }
 
-/// A filter of the camera.
-struct Own {
-    letter: char,
-    filter: Filter,
+/// A filter of an array, with what tells for which letters of other mosaics it serves.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct KindedFilter {
+    /// Its letter.
+    pub letter: char,
+    /// The filter.
+    pub filter: Filter,
     /// The kind of filter, by the name of its generic form; `None` when only the letter tells it.
-    kind: Option<String>,
+    pub kind: Option<String>,
+}
+
+impl KindedFilter {
+    /// That of some filters which serves a letter of a kind: one of the same letter, unless both kinds are known and differ; else one of the same kind.
+    #[must_use]
+    pub fn serving<'a>(all: &'a [Self], letter: char, kind: Option<&str>) -> Option<&'a Self> {
+        let fits = |own: &&Self| own.kind.is_none() || kind.is_none() || own.kind.as_deref() == kind;
+        let of_kind = |own: &&Self| kind.is_some() && own.kind.as_deref() == kind;
+        all.iter().filter(|own| own.letter == letter).find(fits).or_else(|| all.iter().find(of_kind))
+    }
+
+    /// Whether it is a filter of the catalogue.
+    fn is_generic(&self) -> bool {
+        matches!(&self.filter, Filter::Builtin(name) if self.kind.as_deref() == Some(kind_of(name)))
+    }
 }
 
 impl CfaDescription {
     /// The same filters in another mosaic, that of `other`; filters that `other` states take precedence. `stated` are the letters of
     /// filters in `self` that were stated for the new mosaic: they apply to these letters in any case.
     ///
-    /// Where both mosaics are of the catalogue, a filter serves a letter of the same kind: clear (`C` of `rccb`) is white (`W` of
-    /// `rgbw`), and it is not cyan (`C` of `cygm`). Otherwise a filter serves the same letter. If the camera has no filter for a
+    /// A filter serves a letter of the same kind: clear (`C` of `rccb`) is white (`W` of `rgbw`), and it is not cyan (`C` of `cygm`). The kind is known in mosaics of the
+    /// catalogue, and of built-in filters that such a mosaic has. Where one of the two kinds is not known, a filter serves the same letter. If the camera has no filter for a
     /// letter, that of the catalogue is taken, provided that all filters of the camera are those of the catalogue.
     ///
     /// # Errors
@@ -72,9 +92,8 @@ impl CfaDescription {
         other: &Self,
         stated: &BTreeSet<char>,
     ) -> Result<ExchangedMosaic, ExchangeError> {
-        let own = self.own_filters()?;
-        let is_generic = matches!(self.pattern, PatternDescription::Name(_))
-            && self.filters.keys().all(|name| single(name).is_some_and(|l| stated.contains(&l)));
+        let own = self.kinded_filters()?;
+        let is_generic = own.iter().all(|own| stated.contains(&own.letter) || own.is_generic());
         let wanted = other.wanted_filters()?;
         let mut filters = other.filters.clone();
         let (mut from_catalog, mut missing) = (Vec::new(), Vec::new());
@@ -87,10 +106,7 @@ impl CfaDescription {
             if filters.contains_key(&letter.to_string()) {
                 continue;
             }
-            let kind = default.as_deref().map(kind_of);
-            let fits = |o: &&Own| o.kind.is_none() || kind.is_none() || o.kind.as_deref() == kind;
-            let of_kind = || own.iter().find(|o| kind.is_some() && o.kind.as_deref() == kind);
-            match (by_letter().filter(fits).or_else(of_kind), default) {
+            match (KindedFilter::serving(&own, *letter, default.as_deref().map(kind_of)), default) {
                 (Some(found), default) => {
                     let default = default.as_ref().map(|name| Filter::Builtin(name.clone()));
                     if !default.is_some_and(|default| is_same(&default, &found.filter)) {
@@ -113,7 +129,10 @@ impl CfaDescription {
     }
 
     /// The filters of this array, those of the catalogue included.
-    fn own_filters(&self) -> Result<Vec<Own>, ExchangeError> {
+    ///
+    /// # Errors
+    /// When a filter is not named by a single letter, or the mosaic is not in the catalogue.
+    pub fn kinded_filters(&self) -> Result<Vec<KindedFilter>, ExchangeError> {
         let mut stated = BTreeMap::new();
         for (name, filter) in &self.filters {
             let letter = single(name).ok_or_else(|| ExchangeError::NoLetter { name: name.clone() })?;
@@ -124,17 +143,30 @@ impl CfaDescription {
             for (letter, default) in cfa::default_filters(name)? {
                 let kind = Some(kind_of(&default).to_owned());
                 let filter = stated.remove(&letter).unwrap_or(Filter::Builtin(default));
-                own.push(Own { letter, filter, kind });
+                own.push(KindedFilter { letter, filter, kind });
             }
         }
         own.extend(stated.into_iter().map(|(letter, filter)| {
             let kind = match &filter {
-                Filter::Builtin(name) if GENERIC.contains(&kind_of(name)) => Some(kind_of(name).to_owned()),
+                Filter::Builtin(name) if is_of_catalog(kind_of(name)) => Some(kind_of(name).to_owned()),
                 _ => None,
             };
-            Own { letter, filter, kind }
+            KindedFilter { letter, filter, kind }
         }));
         Ok(own)
+    }
+
+    /// The same array with its tile in letters and with all of its filters, those of the catalogue included.
+    ///
+    /// # Errors
+    /// When the mosaic is not in the catalogue.
+    pub fn in_full(&self) -> Result<Self, ExchangeError> {
+        let PatternDescription::Name(name) = &self.pattern else { return Ok(self.clone()) };
+        let default = |(letter, name): (char, String)| (letter.to_string(), Filter::Builtin(name));
+        let mut filters: BTreeMap<_, _> = cfa::default_filters(name)?.into_iter().map(default).collect();
+        filters.extend(self.filters.clone());
+        let pattern = PatternDescription::Letters(cfa::pattern(name)?);
+        Ok(Self { pattern, filters, mixtures: self.mixtures.clone() })
     }
 
     /// The letters of the filters that this array needs.
@@ -166,9 +198,10 @@ impl CfaDescription {
     }
 }
 
-/// The kinds of the generic filters that a letter alone does not tell.
-const GENERIC: [&str; 9] =
-    ["red", "green", "blue", "cyan", "magenta", "yellow", "emerald", "white", "infrared"];
+/// Whether a mosaic of the catalogue has filters of a kind.
+fn is_of_catalog(kind: &str) -> bool {
+    cfa::names().iter().flat_map(|info| info.filters).any(|(_, filter)| kind_of(filter) == kind)
+}
 
 /// The kind of a built-in filter: its name, without the infrared that it leaks; clear and white are one kind.
 fn kind_of(name: &str) -> &str {
@@ -262,6 +295,26 @@ mod tests {
         let e = rccb.with_mosaic_of(&named("rgbw"), &BTreeSet::from(['C'])).unwrap();
         assert_eq!(e.cfa.filters.get("W"), Some(&Filter::Flat(0.8)));
         assert_eq!(e.unused, ['C']);
+    }
+
+    /// An array of the catalogue gets the same filters in another mosaic, whether it is stated by its name or in full.
+    #[test]
+    fn an_array_of_the_catalogue_may_be_stated_in_full() {
+        let catalog = || cfa::names().iter().filter(|info| info.fixed_pattern().is_some());
+        for from in catalog() {
+            let full = named(from.name).in_full().unwrap();
+            assert!(matches!(&full.pattern, PatternDescription::Letters(_)) && !full.filters.is_empty());
+            for to in catalog() {
+                let [by_name, in_full] =
+                    [named(from.name), full.clone()].map(|own| exchanged(&own, &named(to.name)).unwrap());
+                assert_eq!(in_full, by_name, "{}@{}", from.name, to.name);
+            }
+        }
+        // A band is none of the white filters that other mosaics have under its letter.
+        let bands = named("multispectral-5x5").in_full().unwrap();
+        assert_eq!(exchanged(&bands, &named("mono")).unwrap().cfa, named("mono"));
+        let changed = with(bands, &[("A", Filter::Flat(0.5))]);
+        assert!(matches!(exchanged(&changed, &named("mono")), Err(ExchangeError::NoFilter { .. })));
     }
 
     #[test]

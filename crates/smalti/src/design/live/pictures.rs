@@ -36,6 +36,13 @@ pub struct LiveCrop {
     pub cols: usize,
 }
 
+impl LiveCrop {
+    fn window(self) -> Window {
+        let Self { row, col, rows, cols } = self;
+        Window { row, col, rows, cols }
+    }
+}
+
 /// A picture of a scene by a design.
 #[derive(Debug, Clone)]
 pub struct LivePicture {
@@ -153,21 +160,36 @@ impl LivePictures {
         let LiveDesign { camera, pipeline, .. } = design;
         let camera = camera.with_size(whole.rows, whole.cols);
         let window = around(crop, whole, &camera, pipeline.reach());
-        let pixels = self.pixels(&camera, design, window)?;
-        let metered = metered(&camera, self.metered.as_deref(), &design.lens, design.luminance_cd_m2)?;
+        let (lens, luminance_cd_m2) = (&design.lens, design.luminance_cd_m2);
+        let pixels = self.pixels(&camera, lens, luminance_cd_m2, window)?;
+        let metered = metered(&camera, self.metered.as_deref(), lens, luminance_cd_m2)?;
         let exposure = match metered {
             Some(point) => camera.exposure_metered(&point)?,
             None if camera.stated_time_s().is_some() => camera.exposure_gathered(&pixels)?,
             // The rule meters all pixels.
             None => {
-                let all = Window { row: 0, col: 0, rows: whole.rows, cols: whole.cols };
-                camera.exposure_gathered(&*self.pixels(&camera, design, all)?)?
+                camera.exposure_gathered(&*self.pixels(&camera, lens, luminance_cd_m2, whole.window())?)?
             }
         };
         let mut sensor = camera.sensor.clone();
         sensor.window = Some(window);
         let raw = sensor.capture(&*pixels, &exposure, noise, seed)?;
         Ok(Capture { raw, exposure, window })
+    }
+
+    /// The mean luminance of the scene beyond which a camera saturates more than a share of the samples of the whole scene (0 to below 1), cd/m². Light and mean
+    /// dark signal count; noise does not. It is 0 where the samples saturate in any light, and infinite where they never do, as with an exposure that
+    /// follows the light.
+    ///
+    /// # Errors
+    /// When the camera has other pixels than the light, the share is invalid, or the exposure rule finds no light.
+    pub fn saturating_luminance(&mut self, camera: &Camera, share: f64) -> Result<f64, CameraError> {
+        let whole = self.whole();
+        let camera = camera.with_size(whole.rows, whole.cols);
+        let lens = camera.optics.transmittance_on(camera.grid())?;
+        let pixels = self.pixels(&camera, &lens, 1.0, whole.window())?;
+        let metered = metered(&camera, self.metered.as_deref(), &lens, 1.0)?;
+        camera.saturating_factor(&pixels, metered.as_ref(), share)
     }
 
     /// What the standard observer sees of a part of the scene, X, Y, Z, without noise.
@@ -246,21 +268,22 @@ impl LivePictures {
         Err(CameraError::Key { key: "crop".into(), message })
     }
 
-    /// The light on a window of the sensor.
+    /// The light on a window of the sensor, behind a lens.
     fn pixels(
         &mut self,
         camera: &Camera,
-        design: &LiveDesign,
+        lens: &Spectrum,
+        luminance_cd_m2: f64,
         window: Window,
     ) -> Result<Arc<PixelSpectra>, CameraError> {
-        let lens = design.lens.values().iter().map(|v| v.to_bits()).collect();
-        let key = (window, lens, design.luminance_cd_m2.to_bits());
+        let passed = lens.values().iter().map(|v| v.to_bits()).collect();
+        let key = (window, passed, luminance_cd_m2.to_bits());
         if let Some((_, found)) = self.kept.iter().find(|(k, _)| *k == key) {
             return Ok(found.clone());
         }
         let mut sensor = camera.sensor.clone();
         sensor.window = Some(window);
-        let pixels = self.light.behind(&sensor, &design.lens, design.luminance_cd_m2)?;
+        let pixels = self.light.behind(&sensor, lens, luminance_cd_m2)?;
         let pixels = Arc::new(pixels);
         keep_latest(&mut self.kept, KEPT, (key, pixels.clone()));
         Ok(pixels)

@@ -37,7 +37,10 @@ pub struct Improvement {
     locks: Locks,
     given: Vec<Option<Spectrum>>,
     mosaic: Mosaic,
+    /// Filters that can be made.
     parameters: Vec<Vec<f64>>,
+    /// The filters that the descent follows. They may have traces of more pigments than a filter may have, until it is known which of them it needs.
+    unpruned: Vec<Vec<f64>>,
     cost: f64,
     own_cost: f64,
     steps: usize,
@@ -46,7 +49,8 @@ pub struct Improvement {
 }
 
 impl Improvement {
-    /// An improvement of an array. Filters that are free become the nearest ones of the family first. `screens` has an entry for each illuminant.
+    /// An improvement of an array. Filters that are free become the nearest ones of the family first, without what a factory cannot make. `screens` has an entry for
+    /// each illuminant.
     ///
     /// # Errors
     /// When the objective is invalid, or the array is on other wavelengths than the screens.
@@ -67,7 +71,9 @@ impl Improvement {
             true => Vec::new(),
             false => space.start_near(t.values()),
         };
-        let parameters = channels().map(first).collect();
+        let unpruned: Vec<Vec<f64>> = channels().map(first).collect();
+        let mut parameters = unpruned.clone();
+        space.prune(&mut parameters);
         let goal = objective.goal(&own);
         let mut improvement = Self {
             own_cost: goal.cost(&own),
@@ -75,6 +81,7 @@ impl Improvement {
             given,
             mosaic: cfa.mosaic().clone(),
             parameters,
+            unpruned,
             cost: f64::INFINITY,
             screens,
             space,
@@ -101,18 +108,34 @@ impl Improvement {
         self.search().cost(mosaic, &self.parameters).0
     }
 
+    /// Takes steps of the descent. Returns whether the filters that it follows became better, even if those that can be made did not.
+    fn descend(&mut self) -> bool {
+        let (search, is_stopped) = (self.search(), || false);
+        let before = search.cost(&self.mosaic, &self.unpruned).0;
+        let (unpruned, cost) = search.search(&self.mosaic, self.unpruned.clone(), DESCENT, &is_stopped);
+        let makeable = search.makeable(&self.mosaic, (unpruned.clone(), cost), DESCENT, &is_stopped);
+        // The best filters so far may have other pigments, of which other thicknesses may be better.
+        let kept = (unpruned != makeable.0)
+            .then(|| search.search(&self.mosaic, self.parameters.clone(), DESCENT, &is_stopped));
+        let best = kept.into_iter().chain([makeable]).min_by(|a, b| a.1.total_cmp(&b.1));
+        if let Some((parameters, cost)) = best.filter(|(_, cost)| *cost < self.cost) {
+            (self.parameters, self.cost) = (parameters, cost);
+        }
+        if cost < before {
+            self.unpruned = unpruned;
+        }
+        cost < before - LEAST
+    }
+
     /// Takes a step. The cost never rises.
     pub fn step(&mut self) {
         self.steps += 1;
         let before = self.cost;
         let is_free = self.parameters.iter().any(|p| !p.is_empty());
+        let mut goes_on = false;
         // Filters first, and again after each better mosaic.
         if is_free && self.idle == 0 {
-            let (parameters, cost) =
-                self.search().search(&self.mosaic, self.parameters.clone(), DESCENT, &|| false);
-            if cost < self.cost {
-                (self.parameters, self.cost) = (parameters, cost);
-            }
+            goes_on = self.descend();
         } else {
             let best = self
                 .changes()
@@ -123,7 +146,7 @@ impl Improvement {
                 (self.mosaic, self.cost) = (mosaic, cost);
             }
         }
-        self.idle = if self.cost < before - LEAST { 0 } else { self.idle + 1 };
+        self.idle = if goes_on || self.cost < before - LEAST { 0 } else { self.idle + 1 };
     }
 
     /// Whether the latest steps found nothing better.

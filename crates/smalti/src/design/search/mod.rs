@@ -108,10 +108,8 @@ impl FilterSearch<'_> {
         begun.sort_by(|a, b| a.0.total_cmp(&b.0));
         begun.truncate(all.div_ceil(2));
         let finish = |(_, start, parameters): (f64, usize, Parameters)| {
-            let (mut parameters, mut cost) = self.search(mosaic, parameters, steps, &is_stopped);
-            if self.space.prune(&mut parameters) {
-                (parameters, cost) = self.search(mosaic, parameters, steps, &is_stopped);
-            }
+            let found = self.search(mosaic, parameters, steps, &is_stopped);
+            let (parameters, cost) = self.makeable(mosaic, found, steps, &is_stopped);
             if !done(cost) {
                 stopped.store(true, Ordering::Relaxed);
             }
@@ -157,6 +155,20 @@ impl FilterSearch<'_> {
             _ => self.space.transmittance(p),
         };
         parameters.iter().enumerate().map(of).collect()
+    }
+
+    /// Parameters that were found and their cost, without what a factory cannot make; what is left is searched once more.
+    fn makeable(
+        &self,
+        mosaic: &Mosaic,
+        (mut parameters, cost): (Parameters, f64),
+        steps: usize,
+        is_stopped: &impl Fn() -> bool,
+    ) -> (Parameters, f64) {
+        match self.space.prune(&mut parameters) {
+            true => self.search(mosaic, parameters, steps, is_stopped),
+            false => (parameters, cost),
+        }
     }
 
     /// The parameters and the cost after a search from some parameters.

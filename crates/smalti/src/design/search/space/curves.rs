@@ -31,6 +31,11 @@ pub(super) trait Curves: Debug + Send + Sync {
         None
     }
 
+    /// The thickness of each pigment of the fewest that make a filter of a transmittance; `None` for other families and other filters.
+    fn layers(&self, _transmittance: &[f64]) -> Option<Vec<f64>> {
+        None
+    }
+
     /// Whether the divergence from any curve is a convex function of the parameters, so that every search for its minimum ends there.
     fn is_divergence_convex(&self) -> bool {
         false

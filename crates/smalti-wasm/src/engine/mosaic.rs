@@ -1,0 +1,92 @@
+//! A design with another mosaic of the catalogue.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use serde::{Deserialize, Serialize};
+use smalti::camera::description::{CfaDescription, ExchangeError, KindedFilter, PatternDescription};
+
+/// What a design comes from, and the mosaic that it is to have.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct MosaicRequest {
+    /// The array of the camera that was opened.
+    base: CfaDescription,
+    /// That array with the mosaic that was chosen last.
+    given: CfaDescription,
+    /// The filters that were changed before that mosaic was chosen.
+    changed: Vec<KindedFilter>,
+    /// The array of the design.
+    array: CfaDescription,
+    /// The mosaic, by its name in the catalogue.
+    mosaic: String,
+}
+
+/// Whether the design can have that mosaic, and its array with it.
+#[derive(Debug, Serialize)]
+#[serde(untagged)]
+pub(super) enum Exchanged {
+    /// The camera has curves of its own, and no filter for some letters.
+    Missing { missing: Vec<char> },
+    /// It can have the mosaic.
+    Array(Box<ExchangedArray>),
+}
+
+#[derive(Debug, Serialize)]
+pub(super) struct ExchangedArray {
+    /// The array of `CAMERA@MOSAIC`, for the camera that was opened.
+    given: CfaDescription,
+    /// The same with its tile in letters and with all of its filters.
+    in_full: CfaDescription,
+    /// The same with the filters that were changed by hand.
+    array: CfaDescription,
+    /// The filters that were changed by hand.
+    changed: Vec<KindedFilter>,
+    /// Whether it is the array of the camera that was opened.
+    is_own: bool,
+}
+
+/// The array of a design with another mosaic: that of `CAMERA@MOSAIC` ([`CfaDescription::with_mosaic_of`]) for the camera that was opened, with the filters that were
+/// changed by hand in place of those of their kind.
+pub(super) fn exchanged(request: MosaicRequest) -> Result<Exchanged, ExchangeError> {
+    let MosaicRequest { base, given, changed, array, mosaic } = request;
+    let wanted = CfaDescription { pattern: PatternDescription::Name(mosaic), ..CfaDescription::default() };
+    let none = BTreeSet::new();
+    let new = match base.with_mosaic_of(&wanted, &none) {
+        Err(ExchangeError::NoFilter { missing, .. }) => return Ok(Exchanged::Missing { missing }),
+        other => other?.cfa,
+    };
+    let changed = changed_by_hand(&given, &array, changed)?;
+    let mut by_hand = BTreeMap::new();
+    for KindedFilter { letter, kind, .. } in wanted.kinded_filters()? {
+        let serving = KindedFilter::serving(&changed, letter, kind.as_deref());
+        by_hand.extend(serving.map(|own| (letter.to_string(), own.filter.clone())));
+    }
+    let kept = base.with_mosaic_of(&CfaDescription { filters: by_hand, ..wanted }, &none)?.cfa;
+    let in_full = new.in_full()?;
+    let is_own = in_full == base.in_full()?;
+    let array = kept.in_full()?;
+    Ok(Exchanged::Array(Box::new(ExchangedArray { given: new, in_full, array, changed, is_own })))
+}
+
+/// The filters of an array that differ from those that it was given, and those that were changed before and that it does not have.
+fn changed_by_hand(
+    given: &CfaDescription,
+    array: &CfaDescription,
+    before: Vec<KindedFilter>,
+) -> Result<Vec<KindedFilter>, ExchangeError> {
+    let mut now = Vec::new();
+    for own in given.kinded_filters()? {
+        let present = array.filters.get(&own.letter.to_string());
+        now.extend(
+            present.map(|filter| (*filter != own.filter, KindedFilter { filter: filter.clone(), ..own })),
+        );
+    }
+    let is_older = |old: &KindedFilter| {
+        !now.iter().any(|(_, own)| match &old.kind {
+            None => own.letter == old.letter,
+            Some(_) => own.kind == old.kind,
+        })
+    };
+    let older: Vec<KindedFilter> = before.into_iter().filter(is_older).collect();
+    Ok(now.into_iter().filter(|(is_changed, _)| *is_changed).map(|(_, own)| own).chain(older).collect())
+}
