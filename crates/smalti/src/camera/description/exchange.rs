@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use thiserror::Error;
 
 use super::{CfaDescription, PatternDescription};
-use crate::sensor::cfa::{self, Mosaic};
+use crate::sensor::cfa::{self, CfaInfo, Mosaic};
 use crate::sensor::{CfaError, Filter};
 
 /// Another mosaic with the filters of a camera; see [`CfaDescription::with_mosaic_of`].
@@ -26,10 +26,10 @@ pub enum ExchangeError {
     /// The camera has no filter for some letters of the mosaic, and states filters of its own, which a generic filter does not fit.
     #[error("the mosaic has the {} {}, for which the camera has no filter; it has {}", if .missing.len() == 1 { "letter" } else { "letters" }, listed(.missing), listed(.known))]
     NoFilter {
-        /// The letters without a filter, in alphabetical order.
-        missing: Vec<char>,
-        /// The letters of the camera's filters.
-        known: Vec<char>,
+        /// The letters without a filter, in alphabetical order, each with the kind of filter that it needs if the catalogue tells it.
+        missing: Vec<(char, Option<String>)>,
+        /// The letters of the camera's filters; those that the mosaic has as well with their kind, which is another one.
+        known: Vec<(char, Option<String>)>,
     },
     /// The filters of the camera are not named by single letters.
     #[error("the camera calls a filter '{name}'; expected a single letter")]
@@ -42,10 +42,14 @@ pub enum ExchangeError {
     Mosaic(#[from] CfaError),
 }
 
-fn listed(letters: &[char]) -> String {
+fn listed(letters: &[(char, Option<String>)]) -> String {
+    let shown = |(letter, kind): &(char, Option<String>)| match kind {
+        Some(kind) => format!("{letter} ({kind})"),
+        None => letter.to_string(),
+    };
     match letters {
         [] => "none".into(),
-        letters => letters.iter().map(char::to_string).collect::<Vec<_>>().join(", "),
+        letters => letters.iter().map(shown).collect::<Vec<_>>().join(", "),
     }
 }
 
@@ -57,13 +61,21 @@ struct Own {
     kind: Option<String>,
 }
 
+impl Own {
+    /// Whether it is the generic filter of its kind.
+    fn is_generic(&self) -> bool {
+        matches!(&self.filter, Filter::Builtin(name) if self.kind.as_deref() == Some(kind_of(name)))
+    }
+}
+
 impl CfaDescription {
     /// The same filters in another mosaic, that of `other`; filters that `other` states take precedence. `stated` are the letters of
     /// filters in `self` that were stated for the new mosaic: they apply to these letters in any case.
     ///
-    /// Where both mosaics are of the catalogue, a filter serves a letter of the same kind: clear (`C` of `rccb`) is white (`W` of
-    /// `rgbw`), and it is not cyan (`C` of `cygm`). Otherwise a filter serves the same letter. If the camera has no filter for a
-    /// letter, that of the catalogue is taken, provided that all filters of the camera are those of the catalogue.
+    /// Where both filters are of the catalogue, a filter serves a letter of the same kind: clear (`C` of `rccb`) is white (`W` of
+    /// `rgbw`), and it is not cyan (`C` of `cygm`); `W` of 25 bands is no white filter, whether the camera names its mosaic or states its
+    /// letters. Otherwise a filter serves the same letter. If the camera has no filter for a letter, that of the catalogue is taken,
+    /// provided that all filters of the camera are those of the catalogue.
     ///
     /// # Errors
     /// When letters remain without a filter, or a mosaic is invalid.
@@ -73,8 +85,7 @@ impl CfaDescription {
         stated: &BTreeSet<char>,
     ) -> Result<ExchangedMosaic, ExchangeError> {
         let own = self.own_filters()?;
-        let is_generic = matches!(self.pattern, PatternDescription::Name(_))
-            && self.filters.keys().all(|name| single(name).is_some_and(|l| stated.contains(&l)));
+        let is_generic = !own.is_empty() && own.iter().all(|o| stated.contains(&o.letter) || o.is_generic());
         let wanted = other.wanted_filters()?;
         let mut filters = other.filters.clone();
         let (mut from_catalog, mut missing) = (Vec::new(), Vec::new());
@@ -98,12 +109,15 @@ impl CfaDescription {
                     }
                 }
                 (None, Some(default)) if is_generic => from_catalog.push((*letter, default.clone())),
-                (None, _) => missing.push(*letter),
+                (None, _) => missing.push((*letter, kind.map(str::to_owned))),
             }
         }
         if !missing.is_empty() {
             missing.sort_unstable();
-            let known = own.iter().map(|o| o.letter).collect();
+            let is_missing = |o: &&Own| missing.iter().any(|(letter, _)| *letter == o.letter);
+            let known =
+                own.iter().map(|o| (o.letter, Some(o).filter(is_missing).and_then(|o| o.kind.clone())));
+            let known = known.collect();
             return Err(ExchangeError::NoFilter { missing, known });
         }
         let has = |letter: &char| wanted.iter().any(|(l, _)| l == letter);
@@ -129,7 +143,7 @@ impl CfaDescription {
         }
         own.extend(stated.into_iter().map(|(letter, filter)| {
             let kind = match &filter {
-                Filter::Builtin(name) if GENERIC.contains(&kind_of(name)) => Some(kind_of(name).to_owned()),
+                Filter::Builtin(name) if is_of_catalog(kind_of(name)) => Some(kind_of(name).to_owned()),
                 _ => None,
             };
             Own { letter, filter, kind }
@@ -166,9 +180,11 @@ impl CfaDescription {
     }
 }
 
-/// The kinds of the generic filters that a letter alone does not tell.
-const GENERIC: [&str; 9] =
-    ["red", "green", "blue", "cyan", "magenta", "yellow", "emerald", "white", "infrared"];
+/// Whether mosaics of the catalogue have filters of a kind, which a letter alone does not tell: red, white, a band of several.
+fn is_of_catalog(kind: &str) -> bool {
+    let is_default = |entry: &CfaInfo| entry.filters.iter().any(|(_, name)| kind_of(name) == kind);
+    kind.starts_with("band-") || cfa::names().iter().any(is_default)
+}
 
 /// The kind of a built-in filter: its name, without the infrared that it leaks; clear and white are one kind.
 fn kind_of(name: &str) -> &str {
@@ -244,7 +260,8 @@ mod tests {
         let rccb = with(named("rccb"), &own);
         // Its clear pixels are white ones; green it does not have.
         let error = exchanged(&rccb, &named("rgbw")).unwrap_err();
-        assert_eq!(error, ExchangeError::NoFilter { missing: vec!['G'], known: vec!['R', 'C', 'B'] });
+        let known = ['R', 'C', 'B'].map(|letter| (letter, None)).to_vec();
+        assert_eq!(error, ExchangeError::NoFilter { missing: vec![('G', Some("green".into()))], known });
         let stated = with(rccb, &[("G", builtin("pigment/G"))]);
         let e = stated.with_mosaic_of(&named("rgbw"), &BTreeSet::from(['G'])).unwrap();
         assert_eq!(e.cfa.filters.len(), 3, "{:?}", e.cfa);
@@ -262,6 +279,54 @@ mod tests {
         let e = rccb.with_mosaic_of(&named("rgbw"), &BTreeSet::from(['C'])).unwrap();
         assert_eq!(e.cfa.filters.get("W"), Some(&Filter::Flat(0.8)));
         assert_eq!(e.unused, ['C']);
+    }
+
+    #[test]
+    fn a_mosaic_in_letters_has_the_kinds_of_its_filters() {
+        // As the studio saves an array of the catalogue: its tile in letters, and all of its filters.
+        let saved = |name: &str| {
+            let lines = cfa::info(name).unwrap().pattern().unwrap();
+            let filters = cfa::default_filters(name).unwrap();
+            CfaDescription {
+                pattern: PatternDescription::Letters(lines),
+                filters: filters
+                    .into_iter()
+                    .map(|(l, name)| (l.to_string(), Filter::Builtin(name)))
+                    .collect(),
+                ..Default::default()
+            }
+        };
+        // W is the band 23 of 25 and not white, and G is a band and not green.
+        for (other, letters) in [("mono", vec!['W']), ("rgbw", vec!['R', 'G', 'B', 'W'])] {
+            let e = exchanged(&saved("multispectral-5x5"), &named(other)).unwrap();
+            let taken: Vec<char> = e.from_catalog.iter().map(|(letter, _)| *letter).collect();
+            assert_eq!((e.cfa, taken), (named(other), letters));
+        }
+        let is_plain = |entry: &&CfaInfo| {
+            let has = |letter| cfa::default_filters(entry.name).unwrap().iter().any(|(l, _)| *l == letter);
+            entry.pattern().unwrap().iter().flat_map(|line| line.chars()).all(has)
+        };
+        for entry in cfa::names().iter().filter(is_plain) {
+            let (own, by_name) = (saved(entry.name), named(entry.name));
+            for other in ["bayer", "rgbw", "rccb", "cygm", "mono", "multispectral-5x5"].map(named) {
+                assert_eq!(exchanged(&own, &other), exchanged(&by_name, &other), "{} {other:?}", entry.name);
+            }
+        }
+        // One filter of its own, and generic ones do not fit.
+        let own = with(saved("multispectral-5x5"), &[("A", Filter::Flat(0.4))]);
+        let error = exchanged(&own, &named("mono")).unwrap_err();
+        let ExchangeError::NoFilter { missing, known } = &error else { panic!("{error}") };
+        assert_eq!(missing, &[('W', Some("white".to_owned()))]);
+        assert_eq!((known.len(), &known[22]), (25, &('W', Some("band-23-of-25".to_owned()))));
+        let text = error.to_string();
+        assert!(
+            text.contains("the letter W (white), for which the camera has no filter; it has A, B,"),
+            "{text}"
+        );
+        // A curve of its own has the kind that its letter names.
+        let curve = Filter::Samples { start_nm: 400.0, step_nm: 300.0, values: vec![0.8, 0.9] };
+        let e = exchanged(&with(own, &[("W", curve.clone())]), &named("mono")).unwrap();
+        assert_eq!(e.cfa, with(named("mono"), &[("W", curve)]));
     }
 
     #[test]
