@@ -41,7 +41,7 @@ import { Lights, START } from "./lights.js";
  * @property {Record<string, any>} [isp]
  */
 
-/** A scene; `file` is its light, if it came with the page. @typedef {{ id: string, name: string, set: "charts" | "natural" | "own", file?: string | null }} Scene */
+/** A scene; `catalogue` is its name in commands, `file` its light, if it came with the page. @typedef {{ id: string, name: string, catalogue?: string, set: "charts" | "natural" | "own", file?: string | null }} Scene */
 /** @typedef {{ row: number, col: number, rows: number, cols: number }} Crop */
 
 /** The camera whose light came with the page, without its mosaic. @typedef {{ id: string, name: string, camera: Design }} Setup */
