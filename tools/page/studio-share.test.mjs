@@ -166,6 +166,10 @@ test("a photograph becomes a scene and stays in the browser; what is none is ref
   assert.notEqual(await pixels(page), begun);
   assert.equal(await page.locator("#scene option:checked").textContent(), "wall");
   assert.equal((await saved(page, "Save picture as PNG")).name, "bayer-wall-10.png");
+  // The page makes the report of a photograph itself, and states what the command needs beside the camera file.
+  const report = (await saved(page, "Save report of this picture (HTML)")).content.toString();
+  assert.match(report, /<p class="hint">wall at 10 cd\/m² in daylight/);
+  assert.match(report, /<code>smalti compare bayer\.toml --luminance 10 --exposure own --scene photograph\.png<\/code>/);
   assert.equal(await page.evaluate(async () => (await import(new URL("files.js", document.baseURI))).fileName("bayer ../Café 東京 \u202e<b> 10", "dng")), "bayer-cafe-東京-b-10.dng");
   assert.ok(await score(page, "CPSNR") > 15);
   // Dropped, behind another lens too.

@@ -417,8 +417,8 @@ async function start() {
   }), (work) => store.on(["design", "pin"], work));
   setUpOwnFiles(native, engine, () => ({ camera: inEngine(store.named), scene: scene.value, sceneName: sceneFile(), luminance: luminance() }));
   setUpReport(engine, whenSettled, () => ({
-    camera: store.named, pinned: rival(), simulated: inEngine, own, pin, layers: picture.layers(), scores: scores.shown(), toml, shared: shared(),
-    scene: sceneName(), sceneInCommands: engine.scenes.find((s) => s.id === scene.value)?.catalogue, sceneFile: sceneFile(), luminance: luminance(), limits: limitsText(),
+    camera: store.named, pinned: rival(), simulated: inEngine, own: { ...own }, pin: { ...pin }, layers: picture.layers(), scores: scores.shown(), toml, shared: shared(),
+    scene: sceneName(), sceneInCommands: engine.scenes.find((s) => s.id === scene.value)?.catalogue, sceneFile: sceneFile(), luminance: luminance(), limits: limitsText("on the page of the studio"),
   }));
   setUpSweep(native, () => ({ camera: store.named, luminance: luminance() }));
   setUpImprove(store, engine, { luminance, simulated: inEngine, own: (design) => inFull(engine.catalogue, design), fail: (error) => tell(`${message(error)}.`, "trouble"), native });
@@ -429,13 +429,13 @@ async function start() {
   }
   if (!location.hash) judgeBy((await offered())?.family);
   const limits = byId("limits", HTMLDetailsElement);
-  const limitsText = () => {
+  const limitsText = (where = "on this page") => {
     const { camera } = store;
     const pinned = isPinned() ? undefined : store.pinned;
     const [own, other] = [camera, pinned].map((c) => (c ? simulated(engine, c).left.join(", ") : ""));
     const theOther = pinned && (pinned.name === camera.name ? "the pinned design" : `the pinned ${pinned.name}`);
     const parts = own !== "" && own === other ? [`for ${camera.name} and ${theOther}: ${own}`] : [own && `for ${camera.name}: ${own}`, other && `for ${theOther}: ${other}`].filter(Boolean);
-    return parts.length === 0 ? "" : `Not simulated on this page ${parts.join("; ")}. Saved files, shared addresses and full computations use the camera as stated.`;
+    return parts.length === 0 ? "" : `Not simulated ${where} ${parts.join("; ")}. Saved files, shared addresses and full computations use the camera as stated.`;
   };
   const showLimits = () => {
     const text = limitsText();

@@ -103,7 +103,7 @@ function sensor({ own, pin, limits }) {
   const [first, ...others] = sides.map(({ camera, exposureMs }) => conditions(camera, exposureMs));
   return section("Sensor, lens and exposure",
     table("Sensor, lens and exposure", [["Condition"], ...sides.map((side) => [nameOf(side)])], first.map(([label, value], i) => [[label], [value], ...others.map((other) => [other[i][1] === value ? value : make("strong", {}, other[i][1])])]), { isUnseen: true }),
-    pin && make("p", { class: "hint" }, "Bold: what differs."),
+    pin && make("p", { class: "hint" }, others[0].every(([, value], i) => value === first[i][1]) ? "Both designs have these conditions." : "Bold: what differs."),
     limits !== "" && make("p", { class: "notice" }, inOneLine(limits)));
 }
 
@@ -137,20 +137,20 @@ function method({ own, pin, sceneInCommands, luminance, seed, version }) {
   return section("How the figures were made",
     make("p", {}, `The page of the studio of Smalti ${version} simulated the camera in the browser, with the library of the command. It learned the pipeline of each design from one training scene of 160 × 160 pixels, at nine exposures from the dark to saturation, captured the scene once (noise seed ${seed}), and scored the whole picture against the reference. Resolution and noise are measured on targets, as by `, code("smalti compare"), "."),
     sceneInCommands === undefined && make("p", {}, "The scene is a photograph. Its spectra are estimated from its colours: smooth reflectances in daylight (Jakob and Hanika 2019). The commands below call its file photograph.png."),
-    make("p", {}, "For full figures, save the camera files below and run the command. It learns from all training scenes, captures at the size of the sensor with three noise realisations, and states confidence intervals of the differences between cameras. On the scene of this report:"),
+    make("p", {}, `For full figures, save the camera ${pin ? "files" : "file"} below and run the command. It learns from all training scenes and captures at the size of the sensor, with three noise realisations. It states the differences between ${pin ? "the two cameras" : "this camera and a second one"} with their confidence intervals. On the scene of this report:`),
     command(` --scene ${sceneInCommands ?? "photograph.png"}`),
     make("p", {}, "On all natural scenes:"), command(""));
 }
 
 /** @param {Report} report */
-function files({ own, pin, fragment, studio }) {
+function files({ own, pin, sceneInCommands, fragment, studio }) {
   const camera = (/** @type {Side} */ side) => make("details", {}, make("summary", {}, `Camera file of ${nameOf(side)}`),
     make("p", {}, make("a", { href: `data:application/toml;charset=utf-8,${encodeURIComponent(side.toml)}`, download: side.file }, `Save ${side.file}`)), make("pre", {}, code(side.toml.split("\n").map(inOneLine).join("\n"))));
-  return section("Design",
+  return section(pin ? "Address and camera files" : "Address and camera file",
     studio === undefined
       ? make("p", {}, "To open this design in a studio, start ", code("smalti studio"), " and paste this text behind the address of its page:")
       : make("p", {}, make("a", { href: studio + fragment }, "Open this design in the studio"), ". In another studio, such as that of ", code("smalti studio"), ", paste this text behind the address of its page:"),
-    make("p", { class: "address" }, code(fragment)),
+    make("p", { class: "address" }, code(fragment)), sceneInCommands === undefined && make("p", { class: "hint" }, "The photograph is not part of this text."),
     camera(own), pin && camera(pin));
 }
 
