@@ -3,8 +3,8 @@ import assert from "node:assert/strict";
 import { readFile, writeFile } from "node:fs/promises";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
-import { axe } from "./browser.mjs";
-import { cells, saved, settled, studioAndSite } from "./studio.mjs";
+import { axe, open } from "./browser.mjs";
+import { cells, saved, settled, studioAndSite, toml } from "./studio.mjs";
 
 let own;
 before(async () => { own = await studioAndSite(); });
@@ -52,6 +52,76 @@ test("without a server the page saves the table and the raw image of its picture
   assert.equal(differing, 0, "bytes of the picture that the command renders differ from those of the page");
   assert.deepEqual(faults, []);
   await close();
+});
+
+// A name that would be markup in a page that does not escape it.
+const HOSTILE = "<img src=x onerror=alert(1)></title><script>alert(2)</script>'&amp;";
+
+test("without a server the page saves a report that stands alone and has the figures that it shows", async () => {
+  const { page, faults, close } = await own.open({}, own.exported.address);
+  const tiles = (of) => of.locator(".tile").evaluateAll((all) => all.map((tile) => ["dt", ".unit", ".value", ".delta > [aria-hidden]"].map((part) => tile.querySelector(part)?.textContent ?? "")));
+  const begun = await tiles(page);
+  await page.getByLabel("Start from").selectOption("rgbw");
+  await page.getByLabel("Infrared cut").selectOption("none");
+  await page.locator("#name").fill(HOSTILE);
+  await page.locator("#name").press("Enter");
+  await settled(page);
+  await page.waitForFunction(() => /of the samples/.test(document.querySelector("#clipping").textContent));
+  const shown = await tiles(page);
+  const [warnings, clipping] = [await page.locator("#warnings li").allTextContents(), await page.locator("#clipping").textContent()];
+  const [camera, png, report] = [await toml(page), (await saved(page, "Save picture as PNG")).content, await saved(page, "Save report of this picture (HTML)")];
+  assert.match(report.name, /^img-src-x-onerror-alert-1-title-script-alert-2-script-amp-brushes-10-report\.html$/);
+  const file = join(own.dir, "report.html");
+  await writeFile(file, report.content);
+  for (const [width, height, colorScheme] of [[1440, 900, "light"], [1440, 900, "dark"], [390, 844, "light"], [390, 844, "dark"]]) {
+    const look = await open(own.browser, file, { viewport: { width, height }, colorScheme });
+    assert.deepEqual(await axe(look.page), [], `${width}, ${colorScheme}`);
+    assert.ok(await look.page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), `${width}`);
+    if (process.env.SMALTI_PICTURES) await look.page.screenshot({ path: join(process.env.SMALTI_PICTURES, `report-${width}-${colorScheme}.png`), fullPage: true });
+    // axe.run is evaluated in the page, whose policy admits no script.
+    assert.deepEqual(look.faults.filter((f) => !f.includes("Content Security Policy")), []);
+    await look.close();
+  }
+  const read = await open(own.browser, file, { javaScriptEnabled: false });
+  const section = (title) => read.page.locator("section", { has: read.page.getByRole("heading", { name: title, level: 2 }) });
+  assert.equal(await read.page.locator("h1").textContent(), HOSTILE);
+  assert.equal(await read.page.title(), `${HOSTILE}: report of the Smalti studio`);
+  assert.equal(await read.page.locator("script, iframe, object, link:not([rel=icon]), [onerror], img:not([src^='data:image/png;base64,'])").count(), 0);
+  // Scores: of the design, of the pinned one as the page began, and their differences with the doubt that the page states.
+  const rows = await read.page.locator("table.scored tbody tr").evaluateAll((all) => all.map((row) => [...row.children].map((cell) => cell.textContent)));
+  assert.deepEqual(rows.map((row) => row.slice(0, 4)), shown.map(([label, unit, value, delta], i) => [unit ? `${label} ${unit}` : label, value, begun[i][2], delta]));
+  assert.equal(rows.length, 12);
+  assert.deepEqual(rows.map((row) => row[4]).filter((doubt) => doubt !== "–"), ["± 0.9", "± 0.45", "± 1", "± 1.2"]);
+  assert.deepEqual(await section("Scores").locator("ul li").allTextContents(), warnings);
+  assert.ok(warnings.length > 0);
+  assert.ok((await section("Over luminance").textContent()).includes(clipping));
+  assert.equal(await section("Over luminance").locator("figure svg").count(), 4);
+  // Both mosaics and their curves, and the conditions that differ.
+  assert.deepEqual(await read.page.locator(".tile-drawing").evaluateAll((all) => all.map((svg) => svg.textContent)), ["RGWB", "RGGB"]);
+  assert.equal(await read.page.locator(".design .curve").count(), 2 * (4 + 3));
+  assert.deepEqual(await section("Sensor, lens and exposure").locator("strong").allTextContents(), ["ir-cut"]);
+  assert.match(await read.page.locator("header").textContent(), /Paint brushes at 10 cd\/m² in daylight \(D65\) · noise seed 1 · Smalti \d+\.\d+\.\d+/);
+  const commands = await section("How the figures were made").locator("pre").allTextContents();
+  assert.match(commands[0], /^smalti compare \S+\.toml bayer\.toml --luminance 10 --exposure own --scene photo-brushes$/);
+  // The pictures: the first one is that of the page, byte for byte.
+  const images = await read.page.locator("img").evaluateAll((all) => all.map((img) => ({ src: img.src, width: img.naturalWidth, alt: img.alt })));
+  assert.deepEqual(images.map(({ width }) => width > 64), [true, true, true]);
+  assert.ok(images[2].alt.includes("standard observer"));
+  assert.equal(images[0].src, `data:image/png;base64,${png.toString("base64")}`);
+  // The camera file is that which the page saves, and the address opens both designs.
+  const link = read.page.locator("a[download]").first();
+  await read.page.locator("summary").first().click();
+  assert.equal(decodeURIComponent((await link.getAttribute("href")).replace("data:application/toml;charset=utf-8,", "")), camera);
+  await writeFile(join(own.dir, "of-report.toml"), camera);
+  assert.equal(JSON.parse(own.run("show", "of-report.toml", "--json", "--quiet")).description.name, HOSTILE);
+  const address = await read.page.getByRole("link", { name: "Open this design in the studio" }).getAttribute("href");
+  assert.ok(address.startsWith(`${own.exported.address}#`));
+  const again = await own.open({}, address);
+  assert.deepEqual(await cells(again.page), ["RG", "WB"]);
+  assert.deepEqual(await tiles(again.page), shown);
+  assert.equal(await again.page.locator("#pinned").textContent(), await page.locator("#pinned").textContent());
+  assert.deepEqual([...faults, ...read.faults, ...again.faults], []);
+  await Promise.all([close(), read.close(), again.close()]);
 });
 
 test("results of a search and the report of a sweep open as designs", async () => {

@@ -146,6 +146,12 @@ test("when the server ends, the page says so and goes on", async () => {
   assert.notEqual(await pixels(page), begun, "it still draws");
   const file = await saved(page, "Save camera.toml");
   assert.match(file.content.toString(), /"RB"/);
+  // The report of the picture comes from the page, and does not hand on the address of the server with its token.
+  const report = await saved(page, "Save report of this picture (HTML)");
+  assert.match(report.name, /^bayer-changed-.*-report\.html$/);
+  const html = report.content.toString();
+  assert.ok(html.includes("<h1>bayer-changed</h1>") && html.includes("paste this text behind the address of its page"), html.slice(0, 2000));
+  assert.ok(!html.includes(new URL(other.address).host) && !html.includes(/[0-9a-f]{32}/.exec(other.address)[0]));
   assert.deepEqual(faults.filter((f) => !f.includes("WebSocket")), []);
   await close();
 });

@@ -166,6 +166,10 @@ test("a photograph becomes a scene and stays in the browser; what is none is ref
   assert.notEqual(await pixels(page), begun);
   assert.equal(await page.locator("#scene option:checked").textContent(), "wall");
   assert.equal((await saved(page, "Save picture as PNG")).name, "bayer-wall-10.png");
+  // The page makes the report of a photograph itself, and states what the command needs beside the camera file.
+  const report = (await saved(page, "Save report of this picture (HTML)")).content.toString();
+  assert.match(report, /<p class="hint">wall at 10 cd\/m² in daylight/);
+  assert.match(report, /<code>smalti compare bayer\.toml --luminance 10 --exposure own --scene photograph\.png<\/code>/);
   assert.equal(await page.evaluate(async () => (await import(new URL("files.js", document.baseURI))).fileName("bayer ../Café 東京 \u202e<b> 10", "dng")), "bayer-cafe-東京-b-10.dng");
   assert.ok(await score(page, "CPSNR") > 15);
   // Dropped, behind another lens too.
@@ -210,7 +214,7 @@ test("the exported folder works from any web server, and nothing moves while it 
   assert.ok(await page.getByRole("button", { name: "Global search" }).isHidden());
   await page.getByText("File", { exact: true }).click();
   // The engine makes the table and the raw image of the picture.
-  assert.equal(await page.getByRole("button", { name: /Save report/ }).count(), 0);
+  assert.equal(await page.getByRole("button", { name: "Save report (HTML)" }).count(), 0);
   assert.equal(await page.getByRole("button", { name: /Save learned table|Save raw capture/ }).count(), 2);
   await page.getByText("smalti train", { exact: true }).waitFor();
   assert.equal(await page.locator(".about p").innerText(), "Scores of the picture: one scene, one noise realisation (seed 1), no interval. Scores at full size (more pixels, more training scenes) and in the curves (expected over the training scenes) differ. smalti compare states intervals.");

@@ -115,6 +115,38 @@ fn a_mosaic_that_the_camera_has_no_filters_for_says_what_would_mend_it() {
     refused(&place, &twice, &["--set sensor.cfa.pattern=rgbw", "given twice", "bayer@xtrans"]);
 }
 
+/// A camera file as the studio saves it: the tile in letters, and every filter.
+fn saved_bands(of_a: &str) -> String {
+    let band = |i: u8| match i {
+        1 => format!("A = {of_a}\n"),
+        i => format!("{} = {{ builtin = \"band-{i}-of-25\" }}\n", char::from(b'A' + i - 1)),
+    };
+    let filters: String = (1..=25).map(band).collect();
+    let tile = r#"["ALWIT", "HSEKV", "OUGRD", "QCNYF", "XJPBM"]"#;
+    format!("name = \"bands\"\n[sensor.cfa]\npattern = {tile}\n[sensor.cfa.filters]\n{filters}")
+}
+
+#[test]
+fn a_band_is_no_white_filter_by_its_letter() {
+    let place = Place::new();
+    place.write("saved.toml", saved_bands("{ builtin = \"band-1-of-25\" }"));
+    let run = told(&place, "show saved.toml@mono --json");
+    let note = "note: bands@mono: the camera has no filter for W (white); that of the catalogue is taken\n";
+    assert_eq!(run.err, note);
+    place.write("mono.toml", "name = \"bands@mono\"\n[sensor.cfa]\npattern = \"mono\"\n");
+    let description = |text: &str| json(text)["description"].clone();
+    assert_eq!(description(&run.out), description(&place.ok("show mono.toml --json")));
+
+    place.write("own.toml", saved_bands("{ flat = 0.4 }"));
+    let words = [
+        "own.toml@mono: the mosaic has the letter W (white), for which the camera has no filter",
+        "W (band-23-of-25)",
+        "--set 'sensor.cfa.filters.W={ file = \"W.csv\" }'",
+        "bands has curves of its own",
+    ];
+    refused(&place, &["simulate", "own.toml@mono", "-o", "out"], &words);
+}
+
 const CAMERA: &str = "[sensor.cfa]\npattern = \"bayer\"\nfilters = { file = \"filters.csv\" }\n";
 
 #[test]

@@ -160,7 +160,7 @@ impl Mosaic {
     fn cannot(&self, camera: &str, error: &ExchangeError) -> Box<Diagnostic> {
         let help = match error {
             ExchangeError::NoFilter { missing, .. } => {
-                let set = |letter: &char| {
+                let set = |(letter, _): &(char, Option<String>)| {
                     format!("--set 'sensor.cfa.filters.{letter}={{ file = \"{letter}.csv\" }}'")
                 };
                 let set = missing.iter().map(set).collect::<Vec<_>>().join(" ");

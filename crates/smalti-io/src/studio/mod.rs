@@ -116,6 +116,7 @@ fn gathered(
         json!({
             "id": scene.id,
             "name": scene.name,
+            "catalogue": scene.catalogue,
             "set": if scene.is_photograph() { "natural" } else { "charts" },
             "file": (at < count).then(|| file_of(scene)),
             "source": scene.source(),

@@ -43,7 +43,7 @@ import { Lights, START } from "./lights.js";
 /** The colour filter array of a camera description. @typedef {{ pattern?: string | string[], filters?: Record<string, Filter>, mixtures?: Record<string, Record<string, number>> }} ColorArray */
 /** An array with its tile in letters and with all of its filters. @typedef {{ pattern: string[], filters: Record<string, Filter> }} FullArray */
 
-/** A scene; `file` is its light, if it came with the page. @typedef {{ id: string, name: string, set: "charts" | "natural" | "own", file?: string | null }} Scene */
+/** A scene; `catalogue` is its name in commands, `file` its light, if it came with the page. @typedef {{ id: string, name: string, catalogue?: string, set: "charts" | "natural" | "own", file?: string | null }} Scene */
 /** @typedef {{ row: number, col: number, rows: number, cols: number }} Crop */
 
 /** The camera whose light came with the page, without its mosaic. @typedef {{ id: string, name: string, camera: Design }} Setup */

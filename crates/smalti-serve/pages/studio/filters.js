@@ -3,7 +3,7 @@
 import { announce, byId, draw, make, setOptions, tell, textScale } from "./dom.js";
 import { letters, withFilter } from "./design.js";
 import { filterOfCsv } from "./files.js";
-import { placeLabels } from "./labels.js";
+import { drawnAxes, drawnCurves, frameOf, spectrum } from "./filter-plot.js";
 import { FIRST_NM, LAST_NM, SHAPES, drawnOver, handlesOf, likeShape, shapeOf } from "./shapes.js";
 import { THICKEST, THINNEST, baseOf, editedShape, ofThickness, thicknessHandles, thicknessOf } from "./thickness.js";
 
@@ -11,8 +11,6 @@ import { THICKEST, THINNEST, baseOf, editedShape, ofThickness, thicknessHandles,
 /** @typedef {import("./engine.js").Curves} Curves */
 /** @typedef {import("./engine.js").Engine} Engine */
 
-/** The colours of the axis of wavelengths, a hint and no measurement. */
-const SPECTRUM = [[380, "#45307a"], [420, "#4036a8"], [460, "#2a62c9"], [490, "#1f9fb5"], [520, "#3fae4a"], [560, "#a8b93a"], [585, "#e0b22e"], [610, "#e5792b"], [650, "#d03a2b"], [780, "#5a1414"]];
 const DRAWN_STEP_NM = 5;
 /** Where the sensitivity of silicon ends, nm. */
 const SILICON_NM = 1100;
@@ -37,22 +35,18 @@ export function setUpFilters(store, engine, curves) {
   const { catalogue } = engine;
   const place = byId("plot", HTMLDivElement);
   const panel = byId("filter", HTMLDivElement);
-  /** @type {"transmittance" | "quantum_efficiency"} */
+  /** @type {import("./filter-plot.js").Kind} */
   let kind = "transmittance";
   let isDrawing = false;
   let cursorNm = 550;
-  let [width, height] = [440, 230];
-  /** The size of text, relative to the usual one. */
-  let scale = 1;
-  let margin = { left: 34, right: 10, top: 10, bottom: 30 };
-  const x = (/** @type {number} */ nm) => margin.left + (nm - FIRST_NM) / (LAST_NM - FIRST_NM) * (width - margin.left - margin.right);
-  const y = (/** @type {number} */ value) => height - margin.bottom - value * (height - margin.top - margin.bottom);
+  let frame = frameOf(440, 230, 1);
+  const x = (/** @type {number} */ nm) => frame.x(nm);
+  const y = (/** @type {number} */ value) => frame.y(value);
   const svg = draw("svg", { role: "group", "aria-label": "Curves of the filters over wavelength, 380 to 780 nm" });
   place.append(svg);
 
   const [back, lines, front] = [draw("g", { "aria-hidden": "true" }), draw("g", { "aria-hidden": "true" }), draw("g")];
-  svg.append(draw("defs", {}, draw("linearGradient", { id: "spectrum" }, ...SPECTRUM.map(([nm, color]) =>
-    draw("stop", { offset: (Number(nm) - FIRST_NM) / (LAST_NM - FIRST_NM), "stop-color": color })))), back, lines, front);
+  svg.append(spectrum("spectrum"), back, lines, front);
 
   const filter = () => store.camera.sensor.cfa.filters[store.selected];
   const channel = () => curves()?.channels.find((c) => c.letter === store.selected);
@@ -63,44 +57,11 @@ export function setUpFilters(store, engine, curves) {
   /** @param {import("./design.js").Filter} to @param {string} what @param {string} [key] */
   const change = (to, what, key) => store.change(withFilter(store.camera, store.selected, to), `${what} of ${store.selected}`, key);
 
-  /** @param {number[]} xs @param {number[]} ys */
-  const path = (xs, ys) => xs.map((nm, i) => `${i === 0 ? "M" : "L"}${x(nm).toFixed(1)} ${y(Math.max(ys[i], 0)).toFixed(1)}`).join("");
-
-  function showBack() {
-    const ticks = [400, 500, 600, 700];
-    const levels = [0, 0.25, 0.5, 0.75, 1];
-    back.replaceChildren(
-      ...levels.map((v) => draw("line", { class: v === 0 ? "axis" : "rule", x1: margin.left, x2: width - margin.right, y1: y(v), y2: y(v) })),
-      ...levels.filter((v) => v * 2 % 1 === 0).map((v) => draw("text", { class: "tick", x: margin.left - 7, y: y(v) + 4, "text-anchor": "end" }, v === 0.5 ? "0.5" : String(v))),
-      draw("rect", { x: x(FIRST_NM), y: y(0) + 2, width: x(LAST_NM) - x(FIRST_NM), height: 5, rx: 2.5, fill: "url(#spectrum)" }),
-      ...ticks.map((nm) => draw("text", { class: "tick", x: x(nm), y: height - 7, "text-anchor": "middle" }, String(nm))),
-      draw("text", { class: "tick", x: width - margin.right, y: height - 7, "text-anchor": "end" }, "nm"),
-    );
-  }
-
   function showLines() {
     const all = curves();
     if (!all) return;
-    const xs = all.wavelengths_nm;
-    const area = `${path(xs, all.light.map((v) => v * 0.96))}L${x(xs[xs.length - 1])} ${y(0)}L${x(xs[0])} ${y(0)}Z`;
-    const order = [...all.channels].sort((a, b) => Number(a.letter === store.selected) - Number(b.letter === store.selected));
-    const pointsOf = (/** @type {number[]} */ ys) => xs.map((nm, i) => /** @type {[number, number]} */ ([x(nm), y(Math.max(ys[i], 0))]));
     const dragged = handles().map(({ nm, value }) => ({ left: x(nm) - HANDLE, right: x(nm) + HANDLE, top: y(value) - HANDLE, bottom: y(value) + HANDLE }));
-    const others = [all.lens_transmittance, ...(kind === "quantum_efficiency" ? [all.sensor_quantum_efficiency] : [])].map(pointsOf);
-    const placed = placeLabels([...order].reverse().map((c) => ({ letter: c.letter, points: pointsOf(c[kind]) })), others, dragged,
-      { left: margin.left, right: width - 2, top: 0, bottom: y(0) }, scale);
-    lines.replaceChildren(
-      draw("path", { class: "lamp", d: area }),
-      draw("path", { class: "lens", d: path(xs, all.lens_transmittance) }),
-      ...(kind === "quantum_efficiency" ? [draw("path", { class: "silicon", d: path(xs, all.sensor_quantum_efficiency) })] : []),
-      ...order.flatMap((c) => {
-        const d = path(xs, c[kind]);
-        const isSelected = c.letter === store.selected;
-        return [draw("path", { class: "casing", d, "stroke-width": isSelected ? 5.5 : 3.6 }), draw("path", { class: "curve", d, stroke: c.color, "stroke-width": isSelected ? 3.4 : 1.8 })];
-      }),
-      ...[...placed].map(([letter, [px, py]]) =>
-        draw("text", { class: `letter${letter === store.selected ? " selected" : ""}`, x: px.toFixed(1), y: py.toFixed(1), "text-anchor": "middle", "dominant-baseline": "central" }, letter)),
-    );
+    lines.replaceChildren(...drawnCurves(frame, all, kind, store.selected, dragged));
   }
 
   /** The curves of built-in filters by name, once they are known; those of filters that are not known everywhere end with the plot, or with the simulation. @type {Map<string, import("./thickness.js").Samples>} */
@@ -161,6 +122,7 @@ export function setUpFilters(store, engine, curves) {
   /** @param {PointerEvent} event @returns {[number, number]} */
   function point(event) {
     const box = svg.getBoundingClientRect();
+    const { width, height, margin } = frame;
     const [px, py] = [(event.clientX - box.left) * width / box.width, (event.clientY - box.top) * height / box.height];
     const nm = FIRST_NM + (px - margin.left) / (width - margin.left - margin.right) * (LAST_NM - FIRST_NM);
     return [nm, Math.min(Math.max((height - margin.bottom - py) / (height - margin.top - margin.bottom), 0), 1)];
@@ -365,11 +327,9 @@ export function setUpFilters(store, engine, curves) {
     showPanel();
   }
   new ResizeObserver(() => {
-    [width, height] = [Math.max(place.clientWidth, 200), Math.max(place.clientHeight, 120)];
-    scale = textScale();
-    margin = { ...margin, left: 34 * scale, bottom: 30 * scale };
-    svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
-    showBack();
+    frame = frameOf(Math.max(place.clientWidth, 200), Math.max(place.clientHeight, 120), textScale());
+    svg.setAttribute("viewBox", `0 0 ${frame.width} ${frame.height}`);
+    back.replaceChildren(...drawnAxes(frame, "spectrum"));
     show();
   }).observe(place);
   store.on(["design", "view"], show);

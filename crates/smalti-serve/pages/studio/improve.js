@@ -3,7 +3,7 @@
 // all mosaics of the tile from many starts.
 import { announce, byId, make } from "./dom.js";
 import { withValue } from "./design.js";
-import { signed } from "./scores.js";
+import { signed } from "./numbers.js";
 import { keptEqual } from "./thickness.js";
 
 /** @typedef {import("./store.js").Store} Store */

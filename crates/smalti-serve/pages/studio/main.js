@@ -14,6 +14,7 @@ import { offered, setUpNative } from "./native.js";
 import { readPhotograph } from "./photographs.js";
 import { setUpOwnFiles } from "./own-files.js";
 import { setUpPicture } from "./picture.js";
+import { setUpReport } from "./report.js";
 import { setUpScores } from "./scores.js";
 import { lensText, setUpSensor, simulated } from "./sensor.js";
 import { PHOTOGRAPH, fragmentOf, sharedIn } from "./share.js";
@@ -142,6 +143,9 @@ async function start() {
   };
   /** The messages about designs that could not be computed, by loop. @type {Map<string, string>} */
   const failures = new Map();
+  /** Who waits for picture and figures of the latest change; they hear whether these are there. @type {((isThere: boolean) => void)[]} */
+  const waiting = [];
+  const whenSettled = () => failures.size === 0 && (document.documentElement.dataset.settled !== undefined || new Promise((/** @type {(isThere: boolean) => void} */ resolve) => { waiting.push(resolve); }));
   const inEngine = (/** @type {Camera} */ camera) => simulated(engine, camera).camera;
   const wanted = () => ({ camera: inEngine(store.camera), pinned: store.pinned && inEngine(store.pinned), scene: scene.value, luminance: luminance(), family: familyOf() });
   const compute = setUpWork(engine, wanted, () => ({ pin: picture.needsPin(), map: picture.needsMap(), pinMap: picture.needsPinMap() }), {
@@ -193,6 +197,7 @@ async function start() {
       if (isWaiting) return;
       const said = showScores();
       document.documentElement.dataset.settled = String(store.at);
+      for (const go of waiting.splice(0)) go(true);
       if (isChanged) announce(`${said}. ${scores.warned()}${isLimited ? ` ${limitsText()}` : ""}`);
       isChanged = isLimited = false;
     },
@@ -221,6 +226,7 @@ async function start() {
       if (isBefore) mark(loop, true);
       const text = `${message(error)}.${isBefore ? " The picture and the dimmed values are out of date." : ""}`;
       failures.set(loop, text);
+      for (const go of waiting.splice(0)) go(false);
       // Of two failures, that of the picture is said.
       if (loop === "pictures" || !failures.has("pictures")) tell(text, "trouble");
     },
@@ -274,10 +280,11 @@ async function start() {
     });
   }
 
+  const rival = () => (isPinned() ? undefined : store.pinnedNamed);
+  const shared = () => ({ camera: store.named, pinned: rival(), scene: isOwnScene() ? PHOTOGRAPH : scene.value, luminance: luminance() });
   byId("share", HTMLButtonElement).addEventListener("click", async () => {
-    const pinned = isPinned() ? undefined : store.pinnedNamed;
     const photograph = isOwnScene() ? " The photograph is not in it." : "";
-    history.replaceState(null, "", await fragmentOf({ camera: store.named, pinned, scene: isOwnScene() ? PHOTOGRAPH : scene.value, luminance: luminance() }));
+    history.replaceState(null, "", await fragmentOf(shared()));
     try {
       await navigator.clipboard.writeText(location.href);
       tell(location.hostname === "127.0.0.1"
@@ -288,11 +295,11 @@ async function start() {
     }
   });
 
+  const toml = async (/** @type {Camera} */ camera) => thicknessComments(camera.sensor.cfa.filters) + await engine.cameraToml(camera);
   byId("save-toml", HTMLButtonElement).addEventListener("click", async () => {
     try {
       const { named } = store;
-      const parts = [thicknessComments(named.sensor.cfa.filters), await engine.cameraToml(named)];
-      save(fileName(named.name, "toml"), new Blob(parts, { type: "application/toml" }));
+      save(fileName(named.name, "toml"), new Blob([await toml(named)], { type: "application/toml" }));
     } catch (error) {
       tell(`${message(error)}.`, "trouble");
     }
@@ -392,10 +399,13 @@ async function start() {
   // ---- the design ----
 
   const native = setUpNative(() => ({
-    camera: store.named, pinned: isPinned() ? undefined : store.pinnedNamed, scene: scene.value, luminance: luminance(),
-    isOwn: isOwnScene(),
+    camera: store.named, pinned: rival(), scene: scene.value, luminance: luminance(), isOwn: isOwnScene(),
   }), (work) => store.on(["design", "pin"], work));
   setUpOwnFiles(native, engine, () => ({ camera: inEngine(store.named), scene: scene.value, sceneName: sceneFile(), luminance: luminance() }));
+  setUpReport(engine, whenSettled, () => ({
+    camera: store.named, pinned: rival(), simulated: inEngine, own: { ...own }, pin: { ...pin }, layers: picture.layers(), scores: scores.shown(), toml, shared: shared(),
+    scene: sceneName(), sceneInCommands: engine.scenes.find((s) => s.id === scene.value)?.catalogue, sceneFile: sceneFile(), luminance: luminance(), limits: limitsText("on the page of the studio"),
+  }));
   setUpSweep(native, () => ({ camera: store.named, luminance: luminance() }));
   setUpImprove(store, engine, { luminance, simulated: inEngine, own: (design) => inFull(engine.catalogue, design), fail: (error) => tell(`${message(error)}.`, "trouble"), native });
   /** Judges filters as those of a family, if the page has it. @param {string | null | undefined} name */
@@ -405,13 +415,13 @@ async function start() {
   }
   if (!location.hash) judgeBy((await offered())?.family);
   const limits = byId("limits", HTMLDetailsElement);
-  const limitsText = () => {
+  const limitsText = (where = "on this page") => {
     const { camera } = store;
     const pinned = isPinned() ? undefined : store.pinned;
     const [own, other] = [camera, pinned].map((c) => (c ? simulated(engine, c).left.join(", ") : ""));
     const theOther = pinned && (pinned.name === camera.name ? "the pinned design" : `the pinned ${pinned.name}`);
     const parts = own !== "" && own === other ? [`for ${camera.name} and ${theOther}: ${own}`] : [own && `for ${camera.name}: ${own}`, other && `for ${theOther}: ${other}`].filter(Boolean);
-    return parts.length === 0 ? "" : `Not simulated on this page ${parts.join("; ")}. Saved files, shared addresses and full computations use the camera as stated.`;
+    return parts.length === 0 ? "" : `Not simulated ${where} ${parts.join("; ")}. Saved files, shared addresses and full computations use the camera as stated.`;
   };
   const showLimits = () => {
     const text = limitsText();

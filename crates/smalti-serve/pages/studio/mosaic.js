@@ -3,15 +3,10 @@
 import { announce, byId, make, tell } from "./dom.js";
 import { MAX_SIDE, addFilter, images, letterAt, letters, paint, removeFilter, resize, share, size } from "./design.js";
 import { withMosaic } from "./exchange.js";
+import { UNKNOWN, inkOn } from "./tile-drawing.js";
 
 /** @typedef {import("./store.js").Store} Store */
 /** @typedef {import("./engine.js").Engine} Engine */
-
-/** The ink that reads on a colour: of black and white, that with more contrast, which is at least 4.58:1. @param {string} color `#rrggbb` */
-function inkOn(color) {
-  const [r, g, b] = [1, 3, 5].map((i) => parseInt(color.slice(i, i + 2), 16) / 255).map((v) => (v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4));
-  return 0.2126 * r + 0.7152 * g + 0.0722 * b > 0.179 ? "#000000" : "#ffffff";
-}
 
 /** Tiles with a longer side take the whole width of the panel. */
 const LARGE_SIDE = 6;
@@ -208,7 +203,7 @@ export function setUpMosaic(store, engine, colors) {
         type: "button", class: "swatch", role: "radio", "data-letter": letter, "aria-checked": String(letter === store.selected), tabindex: letter === store.selected ? 0 : -1,
         "aria-label": `Filter ${letter}, ${cells} of ${of} cells`, title: `${letter}: ${cells} of ${of} cells`, click: () => store.select(letter),
       }, letter);
-      const color = seen[letter] ?? "#888888";
+      const color = seen[letter] ?? UNKNOWN;
       swatch.style.background = color;
       swatch.style.color = inkOn(color);
       return swatch;
@@ -239,7 +234,7 @@ export function setUpMosaic(store, engine, colors) {
       for (let col = 0; col < cols; col += 1) {
         const cell = cellAt(row, col);
         const letter = letterAt(store.camera, row, col);
-        const color = seen[letter] ?? "#888888";
+        const color = seen[letter] ?? UNKNOWN;
         const isLocked = store.lockedCells.has(`${row},${col}`);
         cell.textContent = letter;
         cell.style.background = color;

@@ -2,8 +2,9 @@
 // Heavy work behind the page: the server of the command does it with the native library, over a WebSocket. Messages are JSON, an object with one key;
 // files follow the message that announces them, each as a binary message. Without a server, as in an exported folder, there is none of this.
 import { announce, byId, make, tell } from "./dom.js";
+import { asRival } from "./design.js";
 import { fileName, save } from "./files.js";
-import { text } from "./scores.js";
+import { text } from "./numbers.js";
 
 /** @typedef {import("./engine.js").Design} Design */
 /** A result: what was found, and files by kind. @typedef {{ said: any, files: Record<string, Blob> }} Result */
@@ -12,11 +13,11 @@ import { text } from "./scores.js";
  * A job at work: its result once it is announced, and the kinds of the files that are still to come.
  * @typedef {{ id: number, result?: Result, kinds: string[], onProgress: (progress: Progress) => void, resolve: (result: Result) => void, reject: (error: Error) => void }} Work
  */
-/** What comes with the page: the path of the connection and of the pinned camera, and the family of the filters. @typedef {{ native: string | null, most_message_bytes: number, pinned: string | null, family: import("./engine.js").Family | null }} Offer */
+/** What comes with the page: the path of the connection and of the pinned camera, the version of Smalti, and the family of the filters. @typedef {{ native: string | null, most_message_bytes: number, pinned: string | null, version: string, family: import("./engine.js").Family | null }} Offer */
 
 /** What the end of a job by the page is called. */
 const CANCELLED = "cancelled";
-const LOST = "The server has ended. The page goes on with its own engine; save the design, and start `smalti studio` again for full computations";
+const LOST = "The server has ended. The page goes on with its own engine; save the design, and start `smalti studio` again for full computations. The menu File still saves a report of this picture";
 
 /** @type {Promise<Offer | undefined> | undefined} */
 let known;
@@ -297,8 +298,7 @@ export async function setUpNative(shown, onChange) {
       const { camera, pinned, luminance, scene, isOwn } = shown();
       const made = ofReport();
       if (isOwn && extent.value !== "all") return refuse();
-      // Designs of one name would be numbered.
-      const rival = pinned && (pinned.name === camera.name ? { ...pinned, name: `${pinned.name} (pinned)` } : pinned);
+      const rival = pinned && asRival(pinned, camera.name);
       const report = {
         design: camera, rival, scene: extent.value === "all" ? null : scene, luminances_cd_m2: extent.value === "range" ? [1, 10, 100] : [luminance],
         quality: quality.value,

@@ -244,6 +244,8 @@ export function setUpPicture(onView) {
       if (layers.own && !names.own.startsWith(OUT_OF_DATE)) names = { ...names, own: OUT_OF_DATE + names.own };
       show();
     },
+    /** The pictures of the design, of the pinned one and of the reference, as far as they are known. */
+    layers: () => ({ own: layers.own, pin: layers.pin, reference: layers.reference }),
     /** The picture of the design as PNG. @returns {Promise<Blob | null>} */
     png: () => new Promise((resolve) => { if (layers.own) layers.own.toBlob(resolve, "image/png"); else resolve(null); }),
   };

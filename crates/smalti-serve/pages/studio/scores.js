@@ -2,7 +2,8 @@
 // The scores: each with what the change from the pinned design did, also as a bar, and expected figures over light.
 import { byId, draw, make, textScale } from "./dom.js";
 import { SEED } from "./engine.js";
-import { LUMINANCES } from "./work.js";
+import { FIGURES, clippingText, hasCurve, lightPlot } from "./light-plot.js";
+import { text } from "./numbers.js";
 
 /** @typedef {import("./engine.js").Picture} Picture */
 /** @typedef {import("./engine.js").Scores} Scores */
@@ -12,6 +13,8 @@ import { LUMINANCES } from "./work.js";
  * A score: where it is, how it is written, which direction is better, its name in the catalogue of metrics, and whether it is one of the picture or of the figures of the array.
  * @typedef {{ label: string, metric: string, unit: string, title: string, better: 1 | -1, digits: number, of: import("./work.js").Loop, get: (known: Known) => number | null | undefined }} Score
  */
+/** How a score differs from that of the pinned design: as it is shown and said. @typedef {{ shown: string, said: string, kind: "same" | "better" | "worse" }} Change */
+/** A score as it is shown: in numbers, with that of the pinned design, what changed, and the length of its bar. @typedef {{ score: Score, value: string | undefined, before: string | undefined, change: Change | undefined, length: number }} Row */
 /** @type {Score[]} */
 const SCORES = [
   { label: "CPSNR", metric: "cpsnr_db", unit: "dB", title: "Peak signal-to-noise ratio of the picture against the reference", better: 1, digits: 2, of: "pictures", get: (k) => k.picture?.scores?.cpsnr_db },
@@ -39,7 +42,7 @@ const SCORES = [
  * none is judged: the largest differences are several times as large.
  * @type {Record<string, number>}
  */
-const DOUBTS = { cpsnr_db: 0.9, pixel_delta_e_2000_mean: 0.6, pixel_delta_e_2000_p95: 1.3, scielab_mean: 1.8 };
+export const DOUBTS = { cpsnr_db: 0.9, pixel_delta_e_2000_mean: 0.6, pixel_delta_e_2000_p95: 1.3, scielab_mean: 1.8 };
 
 /** What stands before everything that is of the state before a change that could not be computed. */
 export const OUT_OF_DATE = "Out of date: ";
@@ -49,27 +52,9 @@ const BAR_END = 10;
 /** @param {number | undefined} value @param {number} by */
 const scaled = (value, by) => (value === undefined ? undefined : value * by);
 
-/** @typedef {Exclude<keyof import("./engine.js").Expected, "luminance_cd_m2" | "time_s">} Figure */
-/** @type {Record<Figure, { label: string, better: 1 | -1 }>} */
-const FIGURES = {
-  cpsnr_db: { label: "CPSNR, dB", better: 1 }, delta_e_2000: { label: "ΔE2000", better: -1 }, scielab: { label: "S-CIELAB", better: -1 }, detail_db: { label: "Detail, dB", better: 1 },
-};
-
-/** A number with a minus sign, but zero without a sign. @param {number} value @param {number} digits */
-export function text(value, digits) {
-  const shown = value.toFixed(digits);
-  return shown.replace("-", Number(shown) === 0 ? "" : "−");
-}
-
-/** A change with its sign. @param {number} value @param {number} digits */
-export function signed(value, digits) {
-  const amount = text(Math.abs(value), digits);
-  return `${Number(amount) === 0 ? "±" : value < 0 ? "−" : "+"}${amount}`;
-}
-
 /**
  * Words for a change of a score, of which the bar is that of `bar`. A change below the smallest relevant one, or within the doubt of the page, is neither better nor worse.
- * @param {Score} score @param {number} from @param {number} to @param {number} length @param {number} doubt
+ * @param {Score} score @param {number} from @param {number} to @param {number} length @param {number} doubt @returns {Change}
  */
 function change(score, from, to, length, doubt) {
   const by = Number((to - from).toFixed(score.digits));
@@ -94,11 +79,36 @@ function bar(score, from, to, relevance) {
   return Math.min(Math.max(by, -1), 1);
 }
 
+/** Whether more than a share of the samples of a picture saturate, percent: more than the page judges. @param {(Known | undefined)[]} all @param {number} most */
+export const isClipped = (all, most) => all.some((k) => (k?.picture?.saturated_percent ?? 0) > most);
+
+/**
+ * The scores of a design, and how they differ from those of the pinned one.
+ * @param {Known} own @param {Known | undefined} pin @param {import("./engine.js").Engine["catalogue"]} catalogue @returns {Row[]}
+ */
+function rowsOf(own, pin, { relevances, saturated_percent: most }) {
+  const clips = isClipped([own, pin], most);
+  return SCORES.map((score) => {
+    const [now, before] = [own, pin].map((known) => known && score.get(known)).map((v) => (typeof v === "number" && Number.isFinite(v) ? v : undefined));
+    const isCompared = now !== undefined && before !== undefined;
+    const length = isCompared ? bar(score, before, now, relevances[score.metric]) : 0;
+    const doubt = DOUBTS[score.metric] ?? 0;
+    return {
+      score, length, value: now === undefined ? undefined : text(now, score.digits), before: before === undefined ? undefined : text(before, score.digits),
+      change: isCompared ? change(score, before, now, length, clips && doubt > 0 ? Infinity : doubt) : undefined,
+    };
+  });
+}
+
+/** What a score means. @param {Score} score */
+export const definition = ({ title, better }) => `${title}. ${better > 0 ? "Higher" : "Lower"} is better.`;
+
 /** A message as a sentence. @param {string} message */
 const sentence = (message) => `${message[0].toUpperCase()}${message.slice(1).replace(/\.$/, "")}.`;
 
 /** @param {import("./engine.js").Engine["catalogue"]} catalogue */
-export function setUpScores({ relevances, saturated_percent: most }) {
+export function setUpScores(catalogue) {
+  const most = catalogue.saturated_percent;
   const tiles = byId("tiles", HTMLElement);
   const metric = byId("metric", HTMLSelectElement);
   const place = byId("light-curve", HTMLDivElement);
@@ -113,30 +123,21 @@ export function setUpScores({ relevances, saturated_percent: most }) {
     tiles.append(make("div", { class: "tile", "data-of": score.of, title: score.title }, make("dt", {}, score.label), make("dd", {}, make("span", { class: "amount" }, value, make("span", { class: "unit" }, score.unit)), gauge, delta, before)));
     return { score, value, delta, before, gauge, fill };
   });
-  byId("definitions", HTMLElement).append(...SCORES.flatMap(({ label, title, better }) => [make("dt", {}, label), make("dd", {}, `${title}. ${better > 0 ? "Higher" : "Lower"} is better.`)]));
+  byId("definitions", HTMLElement).append(...SCORES.flatMap((score) => [make("dt", {}, score.label), make("dd", {}, definition(score))]));
   byId("seed", HTMLElement).textContent = String(SEED);
-  metric.append(...Object.entries(FIGURES).map(([value, { label }]) => make("option", { value }, label)));
+  metric.append(...Object.entries(FIGURES).map(([value, label]) => make("option", { value }, label)));
 
   const svg = draw("svg", { role: "img" });
   place.append(svg);
   let [width, height] = [320, 150];
-  /** @type {{ own: import("./engine.js").Expected[], pin: import("./engine.js").Expected[], luminance: number }} */
+  /** @type {import("./light-plot.js").OverLight} */
   let over = { own: [], pin: [], luminance: 10 };
-
-  /** The greatest luminance without noticeable clipping of the design, `undefined` until it is known, and of the pinned one, cd/m². @type {{ own: number | undefined, pin: number }} */
-  let clips = { own: undefined, pin: Infinity };
+  /** @type {import("./light-plot.js").Clips} */
+  let clips = { own: undefined, pin: Infinity, most };
   const clipping = byId("clipping", HTMLElement);
-  const [darkest, brightest] = [LUMINANCES[0], LUMINANCES[LUMINANCES.length - 1]];
-  /** What is said of clipping. */
-  function clippingText() {
-    const { own } = clips;
-    const what = `the design clips more than ${most} % of the samples of this scene`;
-    const limit = own === undefined ? "." : own < darkest ? `: at every luminance shown (dotted), ${what}.`
-      : own >= brightest ? `. Up to ${brightest} cd/m², the design clips at most ${most} % of the samples of this scene.`
-        : `: beyond ${Number(own.toPrecision(3))} cd/m² (dotted), ${what}.`;
-    return `Expected figures do not include clipping${limit}`;
-  }
 
+  /** The scores that are shown. @type {Row[]} */
+  let rows = [];
   /** What stands in place of curves. */
   let note = "";
   /** What is known to be of the state before a change. @type {Set<import("./work.js").Loop>} */
@@ -159,39 +160,11 @@ export function setUpScores({ relevances, saturated_percent: most }) {
   }
 
   function showCurve() {
-    const key = /** @type {Figure} */ (metric.value || "cpsnr_db");
-    const all = [...over.own, ...over.pin].map((e) => e[key]).filter(Number.isFinite);
-    if (all.length === 0) {
-      svg.replaceChildren(draw("text", { x: width / 2, y: height / 2, "text-anchor": "middle" }, note));
-      svg.setAttribute("aria-label", note);
-      return;
-    }
-    const scale = textScale();
-    const margin = { left: 36 * scale, right: 18 * scale, top: 10, bottom: 24 * scale };
-    const [low, high] = nice(Math.min(...all), Math.max(...all));
-    const [first, last] = [over.own[0].luminance_cd_m2, over.own[over.own.length - 1].luminance_cd_m2].map(Math.log10);
-    const x = (/** @type {number} */ luminance) => margin.left + (Math.log10(luminance) - first) / (last - first) * (width - margin.left - margin.right);
-    const y = (/** @type {number} */ v) => height - margin.bottom - (v - low) / (high - low) * (height - margin.top - margin.bottom);
-    const path = (/** @type {[number, number][]} */ points) => points.map(([px, py], i) => `${i === 0 ? "M" : "L"}${px.toFixed(1)} ${py.toFixed(1)}`).join("");
-    /** A curve, dotted where the design clips. @param {string} kind @param {import("./engine.js").Expected[]} curve @param {number} limit */
-    const drawn = (kind, curve, limit) => {
-      const points = curve.map((e) => /** @type {[number, number]} */ ([x(e.luminance_cd_m2), y(e[key])]));
-      const [sound, clipped] = cut(points, x(limit));
-      return [...(clipped.length > 1 ? [draw("path", { class: `${kind} clips`, d: path(clipped) })] : []), ...(sound.length > 1 ? [draw("path", { class: kind, d: path(sound) })] : [])];
-    };
-    const decades = Array.from({ length: Math.round(last - first) + 1 }, (_, i) => 10 ** (Math.round(first) + i));
-    svg.replaceChildren(
-      ...[low, (low + high) / 2, high].flatMap((v) => [
-        draw("line", { class: "rule", x1: margin.left, x2: width - margin.right, y1: y(v), y2: y(v) }),
-        draw("text", { class: "tick", x: margin.left - 6, y: y(v) + 4, "text-anchor": "end" }, text(v, (high - low) % 2 === 0 ? 0 : 1)),
-      ]),
-      ...decades.map((d) => draw("text", { class: "tick", x: x(d), y: height - 7, "text-anchor": "middle" }, String(Number(d.toPrecision(1))))),
-      draw("line", { class: "here", x1: x(over.luminance), x2: x(over.luminance), y1: margin.top, y2: height - margin.bottom }),
-      ...drawn("pinned", over.pin, clips.pin),
-      ...drawn("own", over.own, clips.own ?? Infinity),
-    );
-    const ends = over.own.length > 0 ? `from ${text(over.own[0][key], 1)} at ${over.own[0].luminance_cd_m2} cd/m² to ${text(over.own[over.own.length - 1][key], 1)} at ${over.own[over.own.length - 1].luminance_cd_m2} cd/m²` : "";
-    svg.setAttribute("aria-label", `Expected ${FIGURES[key].label} over luminance, ${ends}. ${clippingText()}`);
+    const key = /** @type {import("./light-plot.js").Figure} */ (metric.value || "cpsnr_db");
+    const { drawn, label } = hasCurve(over, key) ? lightPlot({ width, height, scale: textScale() }, over, clips, key)
+      : { drawn: [draw("text", { x: width / 2, y: height / 2, "text-anchor": "middle" }, note)], label: note };
+    svg.replaceChildren(...drawn);
+    svg.setAttribute("aria-label", label);
   }
   metric.addEventListener("change", showCurve);
   new ResizeObserver(() => {
@@ -209,22 +182,16 @@ export function setUpScores({ relevances, saturated_percent: most }) {
     show(own, pin) {
       /** @type {string[]} */
       const said = [];
-      const isClipped = [own, pin].some((k) => (k?.picture?.saturated_percent ?? 0) > most);
-      for (const { score, value, delta, gauge, fill } of parts) {
-        const now = score.get(own);
-        const before = pin && score.get(pin);
-        const isKnown = typeof now === "number" && Number.isFinite(now);
-        value.textContent = isKnown ? text(now, score.digits) : "–";
-        const isCompared = isKnown && typeof before === "number" && Number.isFinite(before);
-        const length = isCompared ? bar(score, before, now, relevances[score.metric]) : 0;
-        const doubt = DOUBTS[score.metric] ?? 0;
-        const difference = isCompared ? change(score, before, now, length, isClipped && doubt > 0 ? Infinity : doubt) : undefined;
+      rows = rowsOf(own, pin, catalogue);
+      for (const [i, { value, delta, gauge, fill }] of parts.entries()) {
+        const { score, value: now, change: difference, length } = rows[i];
+        value.textContent = now ?? "–";
         delta.replaceChildren(...(difference ? [make("span", { "aria-hidden": "true" }, difference.shown), make("span", { class: "unseen" }, difference.said)] : []));
         delta.dataset.kind = difference?.kind ?? "";
         fill.setAttribute("x", String(50 + Math.min(length, 0) * 50));
         fill.setAttribute("width", String(Math.abs(length) * 50));
         gauge.dataset.kind = difference?.kind ?? "same";
-        if (isKnown && said.length < 3) said.push(`${score.label} ${text(now, score.digits)}${score.unit && ` ${score.unit}`}${difference && difference.kind !== "same" ? `, ${difference.said}` : ""}`);
+        if (now !== undefined && said.length < 3) said.push(`${score.label} ${now}${score.unit && ` ${score.unit}`}${difference && difference.kind !== "same" ? `, ${difference.said}` : ""}`);
       }
       return said.join("; ");
     },
@@ -235,8 +202,8 @@ export function setUpScores({ relevances, saturated_percent: most }) {
     },
     /** Shows up to which luminance the design and the pinned one do not clip the scene, cd/m². @param {number | undefined} own @param {number} pin */
     showClipping(own, pin) {
-      clips = { own, pin };
-      clipping.textContent = clippingText();
+      clips = { own, pin, most };
+      clipping.textContent = clippingText(clips);
       showCurve();
     },
     /** Says why there are no curves. @param {string} text */
@@ -259,27 +226,9 @@ export function setUpScores({ relevances, saturated_percent: most }) {
       for (const { score, before } of parts) before.hidden = !earlier.has(score.of);
       showWarnings();
     },
+    /** What is shown: scores, warnings, and expected figures over luminance. */
+    shown: () => ({ rows, warnings: warned, over, clips }),
     /** The warnings in words. */
     warned: () => /** @type {HTMLElement} */ (warnings.querySelector("summary")).textContent ?? "",
   };
-}
-
-/**
- * A line in two: up to a place and beyond it, which share the point there.
- * @param {[number, number][]} points @param {number} at @returns {[[number, number][], [number, number][]]}
- */
-function cut(points, at) {
-  const after = points.findIndex(([x]) => x > at);
-  if (after < 0) return [points, []];
-  if (after === 0) return [[], points];
-  const [[x0, y0], [x1, y1]] = [points[after - 1], points[after]];
-  const middle = /** @type {[number, number]} */ ([at, y0 + (y1 - y0) * (at - x0) / (x1 - x0)]);
-  return [[...points.slice(0, after), middle], [middle, ...points.slice(after)]];
-}
-
-/** Round numbers around a range. @param {number} low @param {number} high @returns {[number, number]} */
-function nice(low, high) {
-  const span = Math.max(high - low, 0.5);
-  const step = [0.5, 1, 2, 5, 10, 20, 50, 100].find((s) => span / s <= 6) ?? 200;
-  return [Math.floor(low / step) * step, Math.max(Math.ceil(high / step) * step, Math.floor(low / step) * step + step)];
 }

@@ -132,6 +132,17 @@ export function setUpSensor(store, engine, adopt) {
   return show;
 }
 
+/** The conditions of a camera beside its mosaic: what they are called, and their values with units. @param {Camera} camera @param {number} exposureMs The time of the exposure of its picture. @returns {[label: string, value: string][]} */
+export function conditions(camera, exposureMs) {
+  const { time_ms } = camera.exposure;
+  const isAutomatic = Boolean(camera.exposure.auto) || time_ms === undefined || time_ms === null;
+  const curve = (/** @type {any} */ filter) => curveName(filter).replace(/^own$/, "own curve");
+  return [
+    ["Exposure", `${shown(exposureMs)}\u00a0ms${isAutomatic ? ", automatic" : ""}`], ["Quantum efficiency", curve(camera.sensor.quantum_efficiency)], ["Infrared cut", curve(camera.optics.ir_cut)],
+    ...FIELDS.map(({ label, unit, get }) => /** @type {[string, string]} */ ([label, `${label === "f-number" ? "f/" : ""}${shown(get(camera))}${unit && `\u00a0${unit}`}`])),
+  ];
+}
+
 /** A lens and pixel geometry in words. @param {Camera} camera */
 export const lensText = ({ optics, sensor }) => `f/${shown(optics.f_number)}, ${shown(sensor.pixel.pitch_um)} µm`;
 

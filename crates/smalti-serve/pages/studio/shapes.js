@@ -31,6 +31,19 @@ export const SHAPES = {
 /** @param {Filter} filter */
 export const shapeOf = (filter) => Object.keys(filter)[0];
 
+/** A curve in words. @param {Filter} filter */
+export function curveText(filter) {
+  const shape = shapeOf(filter);
+  const p = filter[shape];
+  const { name, parameters } = SHAPES[shape] ?? { name: shape, parameters: [] };
+  if (shape === "builtin") return `Built-in curve ${p}`;
+  if (shape === "flat") return `${name}, transmittance ${p}`;
+  if (shape === "samples") return `Curve in ${p.values.length} samples from ${p.start_nm} nm in steps of ${p.step_nm} nm`;
+  const stated = parameters.filter(({ key }) => p[key] !== undefined).map(({ key, label, unit }) => `${label.toLowerCase()} ${p[key]}${unit && ` ${unit}`}`);
+  const bands = (p.bands ?? []).map((/** @type {any} */ b) => `band ${b.center_nm} nm, width ${b.fwhm_nm} nm, peak absorbance ${b.absorbance}`);
+  return [name, ...stated, ...bands].join(", ");
+}
+
 const clamp = (/** @type {number} */ x, /** @type {number} */ low, /** @type {number} */ high) => Math.min(Math.max(x, low), high);
 const round = (/** @type {number} */ x, /** @type {number} */ step) => Number((Math.round(x / step) * step).toFixed(4));
 const toNm = (/** @type {number} */ x) => round(clamp(x, 300, 1100), 0.5);

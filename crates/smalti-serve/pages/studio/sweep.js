@@ -4,7 +4,7 @@ import { byId, make } from "./dom.js";
 import { fileName, save } from "./files.js";
 import { familyOf } from "./improve.js";
 import { contentOf, outdated } from "./native.js";
-import { signed, text } from "./scores.js";
+import { signed, text } from "./numbers.js";
 
 /** A number with its 95 % interval over scenes. @typedef {{ value: number, interval: { low: number, high: number } | null }} Estimate */
 /**

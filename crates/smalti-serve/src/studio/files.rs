@@ -52,29 +52,36 @@ macro_rules! embedded {
     };
 }
 
-static EMBEDDED: [(&str, &[u8]); 32] = embedded![
+static EMBEDDED: [(&str, &[u8]); 41] = embedded![
     "bench.js",
     "design.js",
     "designs.js",
     "dom.js",
+    "drawings.css",
     "engine-worker.js",
     "engine.js",
     "exchange.js",
     "fetched.js",
     "files.js",
+    "filter-plot.js",
     "filters.js",
     "improve.js",
     "index.html",
     "kinds.js",
     "labels.js",
+    "light-plot.js",
     "lights.js",
     "main.js",
     "mosaic.js",
     "native.js",
+    "numbers.js",
     "own-files.js",
     "parts.css",
     "photographs.js",
     "picture.js",
+    "report-page.js",
+    "report.css",
+    "report.js",
     "scores.js",
     "sensor.js",
     "shapes.js",
@@ -84,6 +91,8 @@ static EMBEDDED: [(&str, &[u8]); 32] = embedded![
     "sweep.js",
     "theme.js",
     "thickness.js",
+    "tile-drawing.js",
+    "tokens.css",
     "work.js",
 ];
 
@@ -114,6 +123,7 @@ pub fn files(opening: &Opening, assets: Vec<StudioAsset>, is_served: bool) -> Ve
         "native": is_served.then_some(native::PATH),
         "most_message_bytes": native::MOST_MESSAGE_BYTES,
         "pinned": pinned.map(|_| PINNED),
+        "version": env!("CARGO_PKG_VERSION"),
         "family": opening.family,
     });
     let offer = (OFFER.to_owned(), Cow::Owned(offer.to_string().into_bytes()));

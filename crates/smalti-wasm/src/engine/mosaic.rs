@@ -52,7 +52,10 @@ pub(super) fn exchanged(request: MosaicRequest) -> Result<Exchanged, ExchangeErr
     let wanted = CfaDescription { pattern: PatternDescription::Name(mosaic), ..CfaDescription::default() };
     let none = BTreeSet::new();
     let new = match base.with_mosaic_of(&wanted, &none) {
-        Err(ExchangeError::NoFilter { missing, .. }) => return Ok(Exchanged::Missing { missing }),
+        Err(ExchangeError::NoFilter { missing, .. }) => {
+            let missing = missing.into_iter().map(|(letter, _)| letter).collect();
+            return Ok(Exchanged::Missing { missing });
+        }
         other => other?.cfa,
     };
     let changed = changed_by_hand(&given, &array, changed)?;

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::{CfaDescription, PatternDescription};
-use crate::sensor::cfa::{self, Mosaic};
+use crate::sensor::cfa::{self, CfaInfo, Mosaic};
 use crate::sensor::{CfaError, Filter};
 
 /// Another mosaic with the filters of a camera; see [`CfaDescription::with_mosaic_of`].
@@ -27,10 +27,10 @@ pub enum ExchangeError {
     /// The camera has no filter for some letters of the mosaic, and states filters of its own, which a generic filter does not fit.
     #[error("the mosaic has the {} {}, for which the camera has no filter; it has {}", if .missing.len() == 1 { "letter" } else { "letters" }, listed(.missing), listed(.known))]
     NoFilter {
-        /// The letters without a filter, in alphabetical order.
-        missing: Vec<char>,
-        /// The letters of the camera's filters.
-        known: Vec<char>,
+        /// The letters without a filter, in alphabetical order, each with the kind of filter that it needs if the catalogue tells it.
+        missing: Vec<(char, Option<String>)>,
+        /// The letters of the camera's filters; those that the mosaic has as well with their kind, which is another one.
+        known: Vec<(char, Option<String>)>,
     },
     /// The filters of the camera are not named by single letters.
     #[error("the camera calls a filter '{name}'; expected a single letter")]
@@ -43,10 +43,14 @@ pub enum ExchangeError {
     Mosaic(#[from] CfaError),
 }
 
-fn listed(letters: &[char]) -> String {
+fn listed(letters: &[(char, Option<String>)]) -> String {
+    let shown = |(letter, kind): &(char, Option<String>)| match kind {
+        Some(kind) => format!("{letter} ({kind})"),
+        None => letter.to_string(),
+    };
     match letters {
         [] => "none".into(),
-        letters => letters.iter().map(char::to_string).collect::<Vec<_>>().join(", "),
+        letters => letters.iter().map(shown).collect::<Vec<_>>().join(", "),
     }
 }
 
@@ -81,9 +85,10 @@ impl CfaDescription {
     /// The same filters in another mosaic, that of `other`; filters that `other` states take precedence. `stated` are the letters of
     /// filters in `self` that were stated for the new mosaic: they apply to these letters in any case.
     ///
-    /// A filter serves a letter of the same kind: clear (`C` of `rccb`) is white (`W` of `rgbw`), and it is not cyan (`C` of `cygm`). The kind is known in mosaics of the
-    /// catalogue, and of built-in filters that such a mosaic has. Where one of the two kinds is not known, a filter serves the same letter. If the camera has no filter for a
-    /// letter, that of the catalogue is taken, provided that all filters of the camera are those of the catalogue.
+    /// A filter serves a letter of the same kind: clear (`C` of `rccb`) is white (`W` of `rgbw`), and it is not cyan (`C` of `cygm`); `W` of 25 bands is no white
+    /// filter. The kind is known in mosaics of the catalogue, and of built-in filters that such a mosaic has, whether the camera names its mosaic or states its letters.
+    /// Where one of the two kinds is not known, a filter serves the same letter. If the camera has no filter for a letter, that of the catalogue is taken, provided that
+    /// all filters of the camera are those of the catalogue.
     ///
     /// # Errors
     /// When letters remain without a filter, or a mosaic is invalid.
@@ -93,7 +98,8 @@ impl CfaDescription {
         stated: &BTreeSet<char>,
     ) -> Result<ExchangedMosaic, ExchangeError> {
         let own = self.kinded_filters()?;
-        let is_generic = own.iter().all(|own| stated.contains(&own.letter) || own.is_generic());
+        let is_generic =
+            !own.is_empty() && own.iter().all(|own| stated.contains(&own.letter) || own.is_generic());
         let wanted = other.wanted_filters()?;
         let mut filters = other.filters.clone();
         let (mut from_catalog, mut missing) = (Vec::new(), Vec::new());
@@ -106,7 +112,8 @@ impl CfaDescription {
             if filters.contains_key(&letter.to_string()) {
                 continue;
             }
-            match (KindedFilter::serving(&own, *letter, default.as_deref().map(kind_of)), default) {
+            let kind = default.as_deref().map(kind_of);
+            match (KindedFilter::serving(&own, *letter, kind), default) {
                 (Some(found), default) => {
                     let default = default.as_ref().map(|name| Filter::Builtin(name.clone()));
                     if !default.is_some_and(|default| is_same(&default, &found.filter)) {
@@ -114,12 +121,15 @@ impl CfaDescription {
                     }
                 }
                 (None, Some(default)) if is_generic => from_catalog.push((*letter, default.clone())),
-                (None, _) => missing.push(*letter),
+                (None, _) => missing.push((*letter, kind.map(str::to_owned))),
             }
         }
         if !missing.is_empty() {
             missing.sort_unstable();
-            let known = own.iter().map(|o| o.letter).collect();
+            let is_missing = |o: &&KindedFilter| missing.iter().any(|(letter, _)| *letter == o.letter);
+            let known =
+                own.iter().map(|o| (o.letter, Some(o).filter(is_missing).and_then(|o| o.kind.clone())));
+            let known = known.collect();
             return Err(ExchangeError::NoFilter { missing, known });
         }
         let has = |letter: &char| wanted.iter().any(|(l, _)| l == letter);
@@ -198,9 +208,10 @@ impl CfaDescription {
     }
 }
 
-/// Whether a mosaic of the catalogue has filters of a kind.
+/// Whether mosaics of the catalogue have filters of a kind, which a letter alone does not tell: red, white, a band of several.
 fn is_of_catalog(kind: &str) -> bool {
-    cfa::names().iter().flat_map(|info| info.filters).any(|(_, filter)| kind_of(filter) == kind)
+    let is_default = |entry: &CfaInfo| entry.filters.iter().any(|(_, name)| kind_of(name) == kind);
+    kind.starts_with("band-") || cfa::names().iter().any(is_default)
 }
 
 /// The kind of a built-in filter: its name, without the infrared that it leaks; clear and white are one kind.
@@ -277,7 +288,8 @@ mod tests {
         let rccb = with(named("rccb"), &own);
         // Its clear pixels are white ones; green it does not have.
         let error = exchanged(&rccb, &named("rgbw")).unwrap_err();
-        assert_eq!(error, ExchangeError::NoFilter { missing: vec!['G'], known: vec!['R', 'C', 'B'] });
+        let known = ['R', 'C', 'B'].map(|letter| (letter, None)).to_vec();
+        assert_eq!(error, ExchangeError::NoFilter { missing: vec![('G', Some("green".into()))], known });
         let stated = with(rccb, &[("G", builtin("pigment/G"))]);
         let e = stated.with_mosaic_of(&named("rgbw"), &BTreeSet::from(['G'])).unwrap();
         assert_eq!(e.cfa.filters.len(), 3, "{:?}", e.cfa);
@@ -310,11 +322,32 @@ mod tests {
                 assert_eq!(in_full, by_name, "{}@{}", from.name, to.name);
             }
         }
-        // A band is none of the white filters that other mosaics have under its letter.
+    }
+
+    #[test]
+    fn a_band_serves_no_other_kind_of_its_letter() {
         let bands = named("multispectral-5x5").in_full().unwrap();
-        assert_eq!(exchanged(&bands, &named("mono")).unwrap().cfa, named("mono"));
-        let changed = with(bands, &[("A", Filter::Flat(0.5))]);
-        assert!(matches!(exchanged(&changed, &named("mono")), Err(ExchangeError::NoFilter { .. })));
+        // W is the band 23 of 25 and not white, and G is a band and not green.
+        for (other, letters) in [("mono", vec!['W']), ("rgbw", vec!['R', 'G', 'B', 'W'])] {
+            let e = exchanged(&bands, &named(other)).unwrap();
+            let taken: Vec<char> = e.from_catalog.iter().map(|(letter, _)| *letter).collect();
+            assert_eq!((e.cfa, taken), (named(other), letters));
+        }
+        // One filter of its own, and generic ones do not fit.
+        let own = with(bands, &[("A", Filter::Flat(0.4))]);
+        let error = exchanged(&own, &named("mono")).unwrap_err();
+        let ExchangeError::NoFilter { missing, known } = &error else { panic!("{error}") };
+        assert_eq!(missing, &[('W', Some("white".to_owned()))]);
+        assert_eq!((known.len(), &known[22]), (25, &('W', Some("band-23-of-25".to_owned()))));
+        let text = error.to_string();
+        assert!(
+            text.contains("the letter W (white), for which the camera has no filter; it has A, B,"),
+            "{text}"
+        );
+        // A curve of its own has the kind that its letter names.
+        let curve = Filter::Samples { start_nm: 400.0, step_nm: 300.0, values: vec![0.8, 0.9] };
+        let e = exchanged(&with(own, &[("W", curve.clone())]), &named("mono")).unwrap();
+        assert_eq!(e.cfa, with(named("mono"), &[("W", curve)]));
     }
 
     #[test]
