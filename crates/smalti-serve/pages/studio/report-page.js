@@ -137,9 +137,9 @@ function method({ own, pin, sceneInCommands, luminance, seed, version }) {
   return section("How the figures were made",
     make("p", {}, `The page of the studio of Smalti ${version} simulated the camera in the browser, with the library of the command. It learned the pipeline of each design from one training scene of 160 × 160 pixels, at nine exposures from the dark to saturation, captured the scene once (noise seed ${seed}), and scored the whole picture against the reference. Resolution and noise are measured on targets, as by `, code("smalti compare"), "."),
     sceneInCommands === undefined && make("p", {}, "The scene is a photograph. Its spectra are estimated from its colours: smooth reflectances in daylight (Jakob and Hanika 2019). The commands below call its file photograph.png."),
-    make("p", {}, `For full figures, save the camera ${pin ? "files" : "file"} below and run the command. It learns from all training scenes and captures at the size of the sensor, with three noise realisations. It states the differences between ${pin ? "the two cameras" : "this camera and a second one"} with their confidence intervals. On the scene of this report:`),
+    make("p", {}, `For full figures, save the camera ${pin ? "files" : "file"} below and run the command. It learns from all training scenes and captures at the size of the sensor, with three noise realisations. It states the differences between ${pin ? "the two cameras" : "this camera and a second one"} with their confidence intervals. On the scene of this report, where the intervals cover the noise:`),
     command(` --scene ${sceneInCommands ?? "photograph.png"}`),
-    make("p", {}, "On all natural scenes:"), command(""));
+    make("p", {}, "On all natural scenes, where they cover the scenes too:"), command(""));
 }
 
 /** @param {Report} report */
