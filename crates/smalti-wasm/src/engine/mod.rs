@@ -155,7 +155,7 @@ impl Engine {
                 improving.step();
                 Answer::of(&improving.said()?)
             }
-            Request::Mosaic(request) => Answer::of(&mosaic::exchanged(*request)?),
+            Request::Mosaic(request) => Answer::of(&mosaic::exchanged(&request)?),
             Request::Light(request) => {
                 let bytes = self.sources.light(cameras::from_json(request.design)?, &request.of)?;
                 Ok(Answer { said: json!({}), bytes })

@@ -5,21 +5,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use serde::{Deserialize, Serialize};
 use smalti::camera::description::{CfaDescription, ExchangeError, KindedFilter, PatternDescription};
 
-/// What a design comes from, and the mosaic that it is to have.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct MosaicRequest {
-    /// The array of the camera that was opened.
-    base: CfaDescription,
-    /// That array with the mosaic that was chosen last.
-    given: CfaDescription,
-    /// The filters that were changed before that mosaic was chosen.
-    changed: Vec<KindedFilter>,
-    /// The array of the design.
-    array: CfaDescription,
-    /// The mosaic, by its name in the catalogue.
-    mosaic: String,
-}
+use super::EngineError;
+use super::request::MosaicRequest;
 
 /// Whether the design can have that mosaic, and its array with it.
 #[derive(Debug, Serialize)]
@@ -47,9 +34,13 @@ pub(super) struct ExchangedArray {
 
 /// The array of a design with another mosaic: that of `CAMERA@MOSAIC` ([`CfaDescription::with_mosaic_of`]) for the camera that was opened, with the filters that were
 /// changed by hand in place of those of their kind.
-pub(super) fn exchanged(request: MosaicRequest) -> Result<Exchanged, ExchangeError> {
-    let MosaicRequest { base, given, changed, array, mosaic } = request;
-    let wanted = CfaDescription { pattern: PatternDescription::Name(mosaic), ..CfaDescription::default() };
+pub(super) fn exchanged(request: &MosaicRequest) -> Result<Exchanged, EngineError> {
+    let base = CfaDescription::deserialize(&request.base)?;
+    let last = CfaDescription::deserialize(&request.given)?;
+    let present = CfaDescription::deserialize(&request.array)?;
+    let before = Vec::<KindedFilter>::deserialize(&request.changed)?;
+    let pattern = PatternDescription::Name(request.mosaic.clone());
+    let wanted = CfaDescription { pattern, ..CfaDescription::default() };
     let none = BTreeSet::new();
     let new = match base.with_mosaic_of(&wanted, &none) {
         Err(ExchangeError::NoFilter { missing, .. }) => {
@@ -58,7 +49,7 @@ pub(super) fn exchanged(request: MosaicRequest) -> Result<Exchanged, ExchangeErr
         }
         other => other?.cfa,
     };
-    let changed = changed_by_hand(&given, &array, changed)?;
+    let changed = changed_by_hand(&last, &present, before)?;
     let mut by_hand = BTreeMap::new();
     for KindedFilter { letter, kind, .. } in wanted.kinded_filters()? {
         let serving = KindedFilter::serving(&changed, letter, kind.as_deref());

@@ -6,8 +6,6 @@ use smalti::design::live::{LiveCrop, LiveEffort, LiveFamily, LiveLocks};
 use smalti::design::search::{FilterSpace, FreeCurves};
 use smalti::sensor::NoiseMode;
 
-use super::mosaic::MosaicRequest;
-
 /// Knots of free curves: one in 20 nm.
 const KNOTS: usize = 16;
 
@@ -43,7 +41,7 @@ pub(super) enum Request {
     /// The next step of the improvement.
     Step {},
     /// A design with another mosaic of the catalogue.
-    Mosaic(Box<MosaicRequest>),
+    Mosaic(MosaicRequest),
     /// The light behind the lens of a design, as the file that is loaded for it.
     Light(LightRequest),
     /// Forgets the light of a lens.
@@ -209,6 +207,22 @@ pub(super) struct ImproveRequest {
     pub(super) luminances_cd_m2: Vec<f64>,
     #[serde(default)]
     pub(super) family: LiveFamily,
+}
+
+/// What a design comes from, and the mosaic that it is to have. Arrays are `sensor.cfa` of camera descriptions.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct MosaicRequest {
+    /// The array of the camera that was opened.
+    pub(super) base: Value,
+    /// That array with the mosaic that was chosen last.
+    pub(super) given: Value,
+    /// The filters that were changed before that mosaic was chosen.
+    pub(super) changed: Value,
+    /// The array of the design.
+    pub(super) array: Value,
+    /// The mosaic, by its name in the catalogue.
+    pub(super) mosaic: String,
 }
 
 #[derive(Debug, Deserialize)]

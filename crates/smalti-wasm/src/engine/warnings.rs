@@ -204,8 +204,7 @@ pub(super) fn of_capture(saturated_percent: f64) -> Option<Warning> {
     (saturated_percent > SATURATED_PERCENT).then(|| Warning {
         key: "exposure.time_ms".into(),
         message: format!(
-            "{saturated_percent:.1} % of the samples saturate: the picture and its scores show clipping, in highlights and in saturated colours, \
-             which clip some channels at a lower luminance than white does"
+            "{saturated_percent:.1} % of the samples saturate: the picture and its scores show clipping, in highlights or in darker, saturated colours"
         ),
         filter: None,
     })
