@@ -13,6 +13,6 @@ await pictures(["studio", "bayer"], [
   if (view === "split") await page.getByLabel("Against").selectOption("pin");
   if (view === "map") await page.getByRole("button", { name: "Difference" }).click();
   // The curves of both designs, which follow the picture.
-  await page.locator("#light-curve svg .pinned").waitFor({ timeout: 60_000 });
+  await page.locator("#light-curve svg .pinned:not(.clips)").waitFor({ timeout: 60_000 });
   await settled(page);
 });

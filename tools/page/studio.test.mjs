@@ -436,7 +436,7 @@ test("pitch and f-number change the picture; the light is gathered once, and the
   assert.notEqual(wide, begun);
   // Four times the light: half the noise, where it is that of photons.
   assert.ok(await score(page, "Noise") < 0.75 * noise, `${noise}`);
-  await page.locator("#light-curve svg .own").waitFor({ timeout: 60_000 });
+  await page.locator("#light-curve svg .own:not(.clips)").waitFor({ timeout: 60_000 });
   await page.keyboard.press("Control+z");
   await settled(page);
   assert.equal(await pixels(page), begun);
@@ -483,7 +483,7 @@ test("pitch and f-number change the picture; the light is gathered once, and the
 test("without kept light it shows a picture first and gathers the rest", async () => {
   const other = await own.serve("--no-cache");
   const { page, faults, close } = await open({}, other.address);
-  await page.locator("#light-curve svg .own").waitFor();
+  await page.locator("#light-curve svg .own:not(.clips)").waitFor();
   assert.deepEqual(faults, []);
   await close();
   await other.end();
