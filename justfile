@@ -62,6 +62,10 @@ mutants shard="0/400":
 sanitize *filters:
     tools/sanitize {{filters}}
 
+# Runs the tests of the unsafe code under Miri, or others: `just miri numeric::fft`.
+miri *filters:
+    tools/miri {{filters}}
+
 # Compares what processors with and without AVX and arm64 compute.
 portable:
     tools/portable

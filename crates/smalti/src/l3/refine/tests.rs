@@ -1,3 +1,5 @@
+mod products;
+
 use super::classes::{Scratch, classify};
 use super::stages::{FINE, Stages};
 use super::*;

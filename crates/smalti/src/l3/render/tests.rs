@@ -1,5 +1,6 @@
 //! Against the definition, pixel by pixel.
 
+mod products;
 mod unlike;
 
 use super::super::lattice;

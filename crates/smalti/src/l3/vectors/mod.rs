@@ -1,6 +1,8 @@
 //! What the inner loops of both stages share: aligned registers, inputs laid out for them, and the order in which lanes are summed.
 
 mod portable;
+#[cfg(test)]
+mod tests;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 

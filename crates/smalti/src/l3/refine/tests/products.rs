@@ -1,0 +1,39 @@
+//! The products alone, on memory that ends where it may, so that Miri and the address sanitizer see every read and write beyond it.
+
+use super::super::inputs::{COUNT, OUTPUTS, SIDE_XZ, SIDE_Y};
+use super::super::layout::{INPUTS_COARSE, INPUTS_FINE, Kernels, RowInputs, arranged};
+use super::super::products::products;
+use super::super::roots::ROOTS;
+use crate::l3::vectors::PIXELS;
+use crate::numeric::philox::Stream;
+use crate::numeric::simd::{Set, with_widest};
+
+#[test]
+fn products_read_and_write_within_their_memory() {
+    let mut random = Stream::new(7, 8, 10);
+    // From a range of known length, so that no vector has more room than elements.
+    let mut exact = |n: usize| -> Vec<f32> { (0..n).map(|_| random.uniform() as f32 - 0.5).collect() };
+    let kernels: Vec<Kernels> = (0..5).map(|_| arranged(&exact(OUTPUTS * COUNT), &exact(OUTPUTS))).collect();
+    for count in [1usize, 15, 16, 37] {
+        let cols = count.next_multiple_of(PIXELS);
+        let mut inputs = RowInputs::default();
+        inputs.y = exact((cols + SIDE_Y - 1) * SIDE_Y);
+        inputs.xz = exact((cols + SIDE_XZ - 1) * 2 * SIDE_XZ);
+        inputs.roots = exact(cols * ROOTS);
+        inputs.fine = exact(cols * INPUTS_FINE);
+        inputs.coarse = exact(cols / 2 * INPUTS_COARSE);
+        let classes: Vec<u32> = (0..cols as u32).map(|x| (3 * x + 4) % 5).collect();
+        let refined = |set: Set| {
+            let mut out = [0; OUTPUTS].map(|_| vec![f32::NAN; count].into_boxed_slice());
+            with_widest(set, || {
+                products(&kernels, &classes, &inputs, out.each_mut().map(|plane| &mut **plane))
+            });
+            out
+        };
+        let expected = refined(Set::Plain);
+        assert!(expected.iter().all(|plane| plane.iter().all(|v| v.is_finite())));
+        for set in [Set::Avx2, Set::Avx512] {
+            assert_eq!(refined(set), expected, "{count} pixels, {set:?}");
+        }
+    }
+}

@@ -1,0 +1,54 @@
+//! On lines that end where they may, so that Miri and the address sanitizer see every read beyond them.
+
+use super::*;
+use crate::numeric::simd::{Set, with_widest};
+
+/// Miri lacks the permutations of AVX-512. The address sanitizer runs them.
+const SETS: &[Set] = if cfg!(miri) { &[Set::Plain] } else { &[Set::Plain, Set::Avx512] };
+
+/// Interleaves lines of every number and width on every instruction set. Lines are as long as a whole number of registers, or one element
+/// shorter.
+fn check<S: Copy + Default + PartialEq + std::fmt::Debug>(
+    lanes: usize,
+    interleave: fn(&[&[S]], usize, &mut Vec<S>),
+    mut value: impl FnMut() -> S,
+) {
+    let mut out = Vec::new();
+    for (count, columns) in
+        (1..=11usize).flat_map(|n| [1usize, 15, 16, 31, 33, 48].map(|columns| (n, columns)))
+    {
+        let padded = columns.next_multiple_of(lanes);
+        for len in [padded, padded - 1] {
+            let lines: Vec<Box<[S]>> = (0..count).map(|_| (0..len).map(|_| value()).collect()).collect();
+            let lines: Vec<&[S]> = lines.iter().map(|line| &**line).collect();
+            let at = |i: usize| lines[i % count].get(i / count).copied().unwrap_or_default();
+            let expected: Vec<S> = (0..columns * count).map(at).collect();
+            for &set in SETS {
+                with_widest(set, || interleave(&lines, columns, &mut out));
+                let found = out.get(..expected.len());
+                assert_eq!(found, Some(&*expected), "{count} lines of {len}, {columns} columns, {set:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn lines_of_any_number_and_length_are_interleaved() {
+    let mut number = 0;
+    let mut next = || {
+        number += 1;
+        number
+    };
+    check(16, interleave_f32, || next() as f32);
+    check(32, interleave_i16, || next() as i16);
+}
+
+#[test]
+fn registers_are_their_lanes() {
+    let mut registers = [Register([1.0f32; 16]), Register([2.0; 16]), Register([3.0; 16])];
+    Register::flat_mut(&mut registers)[31] = 4.0;
+    assert_eq!(registers[1].0[15], 4.0);
+    let expected: Vec<f32> = registers.iter().flat_map(|register| register.0).collect();
+    assert_eq!(Register::flat(&registers), expected);
+    assert!(Register::<f32, 16>::flat(&[]).is_empty());
+}
