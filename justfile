@@ -62,7 +62,7 @@ mutants shard="0/400":
 sanitize *filters:
     tools/sanitize {{filters}}
 
-# Runs the tests of the unsafe code under Miri, or others: `just miri numeric::fft`.
+# Runs tests of the unsafe code under Miri, or those that filters name: `just miri numeric::fft`.
 miri *filters:
     tools/miri {{filters}}
 

@@ -21,12 +21,13 @@ test("heavy work goes to the native library, can be cancelled, and its files ope
   await page.waitForFunction(() => /training .*, \d+ of \d+/.test(document.querySelector("#native [data-state]").textContent), null, { timeout: 60_000 });
   assert.equal(await page.getByRole("button", { name: "Full-size picture" }).getAttribute("aria-disabled"), "true", "one job at a time");
   const begun = Date.now();
-  await panel.getByRole("button", { name: "Cancel" }).click();
-  await page.evaluate(() => {
+  const cancel = panel.getByRole("button", { name: "Cancel" });
+  await cancel.evaluate((button) => button.addEventListener("click", () => {
     window.states = [];
     const state = document.querySelector("#native [data-state]");
     new MutationObserver(() => window.states.push(state.textContent)).observe(state, { childList: true });
-  });
+  }, { once: true }));
+  await cancel.click();
   await panel.getByText("The full-size picture was cancelled.").waitFor({ timeout: 60_000 });
   assert.ok(Date.now() - begun < 20_000, `${Date.now() - begun} ms`);
   assert.deepEqual(await page.evaluate(() => window.states), ["The full-size picture was cancelled."], "no progress after that");
@@ -150,7 +151,7 @@ test("when the server ends, the page says so and goes on", async () => {
   const report = await saved(page, "Save report of this picture (HTML)");
   assert.match(report.name, /^bayer-changed-.*-report\.html$/);
   const html = report.content.toString();
-  assert.ok(html.includes("<h1>bayer-changed</h1>") && html.includes("paste this text behind the address of its page"), html.slice(0, 2000));
+  assert.ok(html.includes("<h1>bayer-changed</h1>") && html.includes("append this text to the address of its page"), html.slice(0, 2000));
   assert.ok(!html.includes(new URL(other.address).host) && !html.includes(/[0-9a-f]{32}/.exec(other.address)[0]));
   assert.deepEqual(faults.filter((f) => !f.includes("WebSocket")), []);
   await close();

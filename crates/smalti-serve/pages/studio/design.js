@@ -105,7 +105,7 @@ export function removeFilter(camera, letter, instead) {
   return withCfa(camera, { filters, pattern: camera.sensor.cfa.pattern.map((line) => line.replaceAll(letter, instead)) });
 }
 
-/** The pinned design beside a design: of one name, it is told by what it is. @template {{ name: string }} T @param {T} pinned @param {string} name That of the design. @returns {T} */
+/** The pinned design. If it has the same name as the design, "(pinned)" is added, since reports number designs of one name. @template {{ name: string }} T @param {T} pinned @param {string} name That of the design. @returns {T} */
 export const asRival = (pinned, name) => (pinned.name === name ? { ...pinned, name: `${pinned.name} (pinned)` } : pinned);
 
 /** Another value at a path of keys; `undefined` removes the key. @template T @param {T} object @param {string[]} path @param {any} value @returns {T} */

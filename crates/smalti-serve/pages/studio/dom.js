@@ -53,6 +53,9 @@ export function announce(text) {
   timer = window.setTimeout(() => { byId("told", HTMLElement).textContent = text; }, 250);
 }
 
+/** What an error says. @param {unknown} error */
+export const message = (error) => (error instanceof Error ? error.message : String(error));
+
 /** Characters that steer the text around them instead of standing for themselves, as the library knows them (`smalti::names::steers`). */
 const STEERING = /[\p{Cc}\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069\ufeff\ufffe\uffff]/gu;
 /** A text of a file in one line, without characters that steer the text around it. @param {string} text */

@@ -21,11 +21,11 @@ export function frameOf(width, height, scale) {
   };
 }
 
-/** The colours of the axis, which has them by a name. @param {string} id */
+/** The gradient of the axis of wavelengths. @param {string} id Its name within the document. */
 export const spectrum = (id) => draw("defs", {}, draw("linearGradient", { id }, ...SPECTRUM.map(([nm, color]) =>
   draw("stop", { offset: (Number(nm) - FIRST_NM) / (LAST_NM - FIRST_NM), "stop-color": color }))));
 
-/** The axes. @param {Frame} frame @param {string} id The name of the colours of the axis. @returns {SVGElement[]} */
+/** The axes. @param {Frame} frame @param {string} id The name of the gradient. @returns {SVGElement[]} */
 export function drawnAxes({ width, height, margin, x, y }, id) {
   const ticks = [400, 500, 600, 700];
   const levels = [0, 0.25, 0.5, 0.75, 1];

@@ -1,10 +1,10 @@
 // @ts-check
 // The filters: their curves with handles, and the numbers of the one that is selected.
-import { announce, byId, draw, make, setOptions, tell, textScale } from "./dom.js";
+import { announce, byId, draw, make, message, setOptions, tell, textScale } from "./dom.js";
 import { letters, withFilter } from "./design.js";
 import { filterOfCsv } from "./files.js";
 import { drawnAxes, drawnCurves, frameOf, spectrum } from "./filter-plot.js";
-import { FIRST_NM, LAST_NM, SHAPES, drawnOver, handlesOf, likeShape, shapeOf } from "./shapes.js";
+import { FIRST_NM, LAST_NM, SHAPES, drawnOver, handlesOf, likeShape, pigmentsText, shapeOf } from "./shapes.js";
 import { THICKEST, THINNEST, baseOf, editedShape, ofThickness, thicknessHandles, thicknessOf } from "./thickness.js";
 
 /** @typedef {import("./store.js").Store} Store */
@@ -252,15 +252,6 @@ export function setUpFilters(store, engine, curves) {
     return make("label", { class: `field number${isWide ? " wide" : ""}`, title }, make("span", {}, label), make("span", { class: "unit" }, input, unit));
   }
 
-  /** Of which pigments the selected filter is made, if of any. */
-  function pigmentsText() {
-    const pigments = channel()?.pigments;
-    if (!pigments) return "";
-    if (pigments.length === 0) return "Clear: no pigment.";
-    const thickness = (/** @type {number} */ t) => (t < 0.01 ? t.toPrecision(1) : t.toFixed(2));
-    return `Pigments: ${pigments.map((p) => `${thickness(p.thickness)} × ${p.name}`).join(" + ")}. A thickness of 1 is that of the built-in filter.`;
-  }
-
   function fields() {
     const shape = editedShape(filter());
     const own = () => baseOf(filter())[shape];
@@ -290,7 +281,7 @@ export function setUpFilters(store, engine, curves) {
     }
     if (shape === "samples") {
       const layers = make("p", { class: "wide hint" });
-      refreshers.push(() => { layers.textContent = pigmentsText(); });
+      refreshers.push(() => { layers.textContent = pigmentsText(channel()?.pigments ?? null); });
       rows.push(layers);
     }
     return rows;
@@ -342,7 +333,7 @@ export function setUpFilters(store, engine, curves) {
         change(taken, `the curve ${name}`);
         tell(`Filter ${store.selected} has the curve of ${name}${isPercent ? ", read as percent" : ""}.`);
       } catch (error) {
-        tell(`${name}: ${error instanceof Error ? error.message : error}`, "trouble");
+        tell(`${name}: ${message(error)}`, "trouble");
       }
     },
   };

@@ -1,6 +1,6 @@
 // @ts-check
 // The studio: starts the engine, opens a design, and joins the parts of the page.
-import { announce, atFrame, byId, make, setUpMessages, tell, untell } from "./dom.js";
+import { announce, atFrame, byId, make, message, setUpMessages, tell, untell } from "./dom.js";
 import { withValue } from "./design.js";
 import { Engine } from "./engine.js";
 import { inFull, originOf } from "./exchange.js";
@@ -29,8 +29,6 @@ import { setUpWork } from "./work.js";
 /** @typedef {import("./engine.js").Picture} Picture */
 /** @typedef {import("./engine.js").Scores} Scores */
 
-/** @param {unknown} error */
-const message = (error) => (error instanceof Error ? error.message : String(error));
 /** @param {number} luminance */
 const lightText = (luminance) => `${Number(luminance.toPrecision(luminance < 1 ? 2 : 3))} cd/m²`;
 
@@ -145,7 +143,14 @@ async function start() {
   const failures = new Map();
   /** Who waits for picture and figures of the latest change; they hear whether these are there. @type {((isThere: boolean) => void)[]} */
   const waiting = [];
-  const whenSettled = () => failures.size === 0 && (document.documentElement.dataset.settled !== undefined || new Promise((/** @type {(isThere: boolean) => void} */ resolve) => { waiting.push(resolve); }));
+  /** Whether the latest change is still being computed. */
+  let isPending = true;
+  const whenSettled = () => (isPending ? new Promise((/** @type {(isThere: boolean) => void} */ resolve) => { waiting.push(resolve); }) : failures.size === 0);
+  /** Answers who waits. @param {boolean} isThere */
+  const settle = (isThere) => {
+    isPending = isWaiting;
+    for (const go of waiting.splice(0)) go(isThere);
+  };
   const inEngine = (/** @type {Camera} */ camera) => simulated(engine, camera).camera;
   const wanted = () => ({ camera: inEngine(store.camera), pinned: store.pinned && inEngine(store.pinned), scene: scene.value, luminance: luminance(), family: familyOf() });
   const compute = setUpWork(engine, wanted, () => ({ pin: picture.needsPin(), map: picture.needsMap(), pinMap: picture.needsPinMap() }), {
@@ -197,7 +202,7 @@ async function start() {
       if (isWaiting) return;
       const said = showScores();
       document.documentElement.dataset.settled = String(store.at);
-      for (const go of waiting.splice(0)) go(true);
+      settle(true);
       if (isChanged) announce(`${said}. ${scores.warned()}${isLimited ? ` ${limitsText()}` : ""}`);
       isChanged = isLimited = false;
     },
@@ -226,7 +231,7 @@ async function start() {
       if (isBefore) mark(loop, true);
       const text = `${message(error)}.${isBefore ? " The picture and the dimmed values are out of date." : ""}`;
       failures.set(loop, text);
-      for (const go of waiting.splice(0)) go(false);
+      settle(false);
       // Of two failures, that of the picture is said.
       if (loop === "pictures" || !failures.has("pictures")) tell(text, "trouble");
     },
@@ -240,7 +245,7 @@ async function start() {
     compute();
   });
   work.again = () => {
-    isWaiting = true;
+    isWaiting = isPending = true;
     delete document.documentElement.dataset.settled;
     soon();
   };

@@ -1,6 +1,6 @@
 // @ts-check
 // The mosaic: cells that are painted with the pointer or the keyboard, the palette, size, symmetry and templates.
-import { announce, byId, make, tell } from "./dom.js";
+import { announce, byId, make, message, tell } from "./dom.js";
 import { MAX_SIDE, addFilter, images, letterAt, letters, paint, removeFilter, resize, share, size } from "./design.js";
 import { withMosaic } from "./exchange.js";
 import { UNKNOWN, inkOn } from "./tile-drawing.js";
@@ -162,7 +162,7 @@ export function setUpMosaic(store, engine, colors) {
     try {
       if (chosen) await startFrom(chosen);
     } catch (error) {
-      tell(`${error instanceof Error ? error.message : error}.`, "trouble");
+      tell(`${message(error)}.`, "trouble");
     }
     // It has the name of the mosaic until the design has it.
     if (template.value === chosen?.name) template.value = "";

@@ -1,7 +1,7 @@
 // @ts-check
 // Heavy work behind the page: the server of the command does it with the native library, over a WebSocket. Messages are JSON, an object with one key;
 // files follow the message that announces them, each as a binary message. Without a server, as in an exported folder, there is none of this.
-import { announce, byId, make, tell } from "./dom.js";
+import { announce, byId, make, message, tell } from "./dom.js";
 import { asRival } from "./design.js";
 import { fileName, save } from "./files.js";
 import { text } from "./numbers.js";
@@ -206,7 +206,7 @@ export async function setUpNative(shown, onChange) {
       if (isCancelled(error)) state.textContent = `${title} was cancelled.`;
       else if (native.isOpen) {
         state.textContent = `${title} failed.`;
-        tell(`${title}: ${error instanceof Error ? error.message : error}.`, "trouble");
+        tell(`${title}: ${message(error)}.`, "trouble");
       }
     }
     stop = undefined;

@@ -1,6 +1,6 @@
 // @ts-check
 // The table and the raw image of the picture that the page shows, without a server: the engine of the page makes them.
-import { tell } from "./dom.js";
+import { message, tell } from "./dom.js";
 import { fileName, save } from "./files.js";
 
 /**
@@ -26,6 +26,6 @@ export async function setUpOwnFiles(native, engine, shown) {
     const item = document.querySelector(`#menu [data-native="${kind}"]`);
     if (!(item instanceof HTMLButtonElement)) continue;
     item.hidden = false;
-    item.addEventListener("click", () => make().catch((error) => tell(`${error instanceof Error ? error.message : error}.`, "trouble")));
+    item.addEventListener("click", () => make().catch((error) => tell(`${message(error)}.`, "trouble")));
   }
 }

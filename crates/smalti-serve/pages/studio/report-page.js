@@ -7,7 +7,7 @@ import { FIGURES, clippingText, hasCurve, lightPlot } from "./light-plot.js";
 import { text } from "./numbers.js";
 import { DOUBTS, definition } from "./scores.js";
 import { conditions } from "./sensor.js";
-import { curveText } from "./shapes.js";
+import { curveText, pigmentsText } from "./shapes.js";
 import { baseOf, thicknessOf } from "./thickness.js";
 import { UNKNOWN, drawnTile } from "./tile-drawing.js";
 
@@ -67,16 +67,17 @@ function scores({ own, pin, rows, isClipped, clips, warnings }) {
   ]);
   return section("Scores",
     table(pin ? `Scores of ${nameOf(own)}, and how they differ from those of the pinned ${nameOf(pin)}` : `Scores of ${nameOf(own)}`, head, all, { kind: "scored" }),
-    pin && make("p", { class: "hint" }, doubtText(rows), isClipped && ` More than ${clips.most} % of the samples of a picture saturate. The page does not judge changes of these scores then.`),
+    pin && make("p", { class: "hint" }, doubtText(rows), isClipped && ` More than ${clips.most} % of the samples of a picture saturate, so changes of these scores are not judged.`),
     make("h3", {}, "Warnings"),
     warnings.length > 0 ? make("ul", { class: "notice" }, ...warnings.map((warning) => make("li", {}, warning))) : make("p", {}, "No warnings."),
     make("h3", {}, "Definitions"), make("dl", { class: "hint" }, ...rows.flatMap(({ score }) => [make("dt", {}, score.label), make("dd", {}, definition(score))])));
 }
 
-/** The curve of a filter in words. @param {import("./design.js").Filter} filter */
-function filterText(filter) {
+/** The curve of a filter in words. @param {import("./design.js").Filter} filter @param {import("./engine.js").Layer[] | null} pigments */
+function filterText(filter, pigments) {
   const thickness = thicknessOf(filter);
-  return thickness === 1 ? curveText(filter) : `${curveText(baseOf(filter))}, ${thickness} times as thick`;
+  const text = thickness === 1 ? curveText(filter) : `${curveText(baseOf(filter))}, ${thickness} times as thick`;
+  return filter.samples && pigments ? `${text}. ${pigmentsText(pigments)}` : text;
 }
 
 /** The mosaic and the filters of a design. @param {Side} side @param {string} title @param {string} id A name for the colours of axes. */
@@ -94,7 +95,7 @@ function design({ camera, curves }, title, id) {
     make("div", { class: "design" }, make("figure", {}, drawnTile(pattern, colors), make("figcaption", {}, `Mosaic, ${pattern.length} × ${pattern[0].length} cells`)),
       plot("transmittance", "Transmittance of the filters"), plot("quantum_efficiency", "Quantum efficiency behind lens and infrared cut, electrons per photon")),
     make("p", { class: "hint" }, "Shaded: the light. Dashed: the lens with its infrared cut. Dotted: the sensor without filters. The colour of a curve is that of the filter as the standard observer sees it."),
-    table("Filters", [["Filter"], ["Cells"], ["Curve"]], letters(camera).map((letter) => [[swatch(letter), ` ${letter}`], [cells(letter)], [filterText(filters[letter])]]), { isUnseen: true }));
+    table("Filters", [["Filter"], ["Cells"], ["Curve"]], letters(camera).map((letter) => [[swatch(letter), ` ${letter}`], [cells(letter)], [filterText(filters[letter], curves.channels.find((c) => c.letter === letter)?.pigments ?? null)]]), { isUnseen: true }));
 }
 
 /** @param {Report} report */
@@ -135,11 +136,11 @@ function method({ own, pin, sceneInCommands, luminance, seed, version }) {
   const files = [own, ...(pin ? [pin] : [])].map(({ file }) => file).join(" ");
   const command = (/** @type {string} */ scenes) => make("pre", {}, code(`smalti compare ${files} --luminance ${luminance} --exposure own${scenes}`));
   return section("How the figures were made",
-    make("p", {}, `The page of the studio of Smalti ${version} simulated the camera in the browser, with the library of the command. It learned the pipeline of each design from one training scene of 160 × 160 pixels, at nine exposures from the dark to saturation, captured the scene once (noise seed ${seed}), and scored the whole picture against the reference. Resolution and noise are measured on targets, as by `, code("smalti compare"), "."),
+    make("p", {}, `The page of the studio of Smalti ${version} simulated the camera in the browser, with the library of the command. It learned the pipeline of each design at eleven exposures, from the dark to saturation, from one training scene of 160 × 160 pixels and from uniform surfaces, captured the scene once (noise seed ${seed}), and scored the whole picture against the reference. Resolution and noise are measured on targets, as by `, code("smalti compare"), "."),
     sceneInCommands === undefined && make("p", {}, "The scene is a photograph. Its spectra are estimated from its colours: smooth reflectances in daylight (Jakob and Hanika 2019). The commands below call its file photograph.png."),
-    make("p", {}, `For full figures, save the camera ${pin ? "files" : "file"} below and run the command. It learns from all training scenes and captures at the size of the sensor, with three noise realisations. It states the differences between ${pin ? "the two cameras" : "this camera and a second one"} with their confidence intervals. On the scene of this report, where the intervals cover the noise:`),
+    make("p", {}, `For full figures, save the camera ${pin ? "files" : "file"} below and run the command. It learns from all training scenes and captures at the size of the sensor, with three noise realisations. ${pin ? "It states the differences between the two cameras with their confidence intervals." : "With a second camera in the command, it also states the differences between the two with their confidence intervals."} On the scene of this report, the intervals cover the noise:`),
     command(` --scene ${sceneInCommands ?? "photograph.png"}`),
-    make("p", {}, "On all natural scenes, where they cover the scenes too:"), command(""));
+    make("p", {}, "On all natural scenes, they cover the scenes too:"), command(""));
 }
 
 /** @param {Report} report */
@@ -148,8 +149,8 @@ function files({ own, pin, sceneInCommands, fragment, studio }) {
     make("p", {}, make("a", { href: `data:application/toml;charset=utf-8,${encodeURIComponent(side.toml)}`, download: side.file }, `Save ${side.file}`)), make("pre", {}, code(side.toml.split("\n").map(inOneLine).join("\n"))));
   return section(pin ? "Address and camera files" : "Address and camera file",
     studio === undefined
-      ? make("p", {}, "To open this design in a studio, start ", code("smalti studio"), " and paste this text behind the address of its page:")
-      : make("p", {}, make("a", { href: studio + fragment }, "Open this design in the studio"), ". In another studio, such as that of ", code("smalti studio"), ", paste this text behind the address of its page:"),
+      ? make("p", {}, "To open this design in a studio, start ", code("smalti studio"), " and append this text to the address of its page:")
+      : make("p", {}, make("a", { href: studio + fragment }, "Open this design in the studio"), ". In another studio, such as that of ", code("smalti studio"), ", append this text to the address of its page:"),
     make("p", { class: "address" }, code(fragment)), sceneInCommands === undefined && make("p", { class: "hint" }, "The photograph is not part of this text."),
     camera(own), pin && camera(pin));
 }

@@ -1,6 +1,6 @@
 // @ts-check
 // The report that the page makes itself, with or without a server: what it shows, as one HTML file.
-import { announce, byId, inOneLine, tell } from "./dom.js";
+import { announce, byId, inOneLine, message, tell } from "./dom.js";
 import { asRival, withAllFilters } from "./design.js";
 import { SEED } from "./engine.js";
 import { fetched } from "./fetched.js";
@@ -66,5 +66,5 @@ export function setUpReport(engine, settled, shown) {
     save(name, new Blob([page], { type: "text/html" }));
     announce(`The report ${name} was saved.`);
   }
-  item.addEventListener("click", () => make().catch((error) => tell(`${error instanceof Error ? error.message : error}.`, "trouble")));
+  item.addEventListener("click", () => make().catch((error) => tell(`${message(error)}.`, "trouble")));
 }

@@ -37,9 +37,9 @@ const SCORES = [
   { label: "Condition number", metric: "condition_number", unit: "", title: "Largest singular value of the channels divided by the smallest; noise is amplified where it is large", better: -1, digits: 2, of: "figures", get: (k) => k.figures?.array.condition_number },
 ];
 /**
- * By how much a change of a score on this page differs from that between pipelines that are learned from all training scenes: not more in 95 % of 405 changes, those between ten
- * designs on three scenes at 1, 10 and 80 cd/m² (docs/how-to/studio.md). Smaller changes count as neither better nor worse. Where a picture clips,
- * none is judged: the largest differences are several times as large.
+ * The doubt of each score: 95 % of 405 changes on this page differ by no more from those of pipelines learned from all training scenes. The changes are those between ten designs on three
+ * scenes at 1, 10 and 80 cd/m² (docs/how-to/studio.md). Smaller changes count as neither better nor worse. Where a picture clips, none is judged: the 95th percentile of ΔE2000 then differs by
+ * up to four times as much.
  * @type {Record<string, number>}
  */
 export const DOUBTS = { cpsnr_db: 0.9, pixel_delta_e_2000_mean: 0.6, pixel_delta_e_2000_p95: 1.3, scielab_mean: 1.8 };
@@ -79,7 +79,7 @@ function bar(score, from, to, relevance) {
   return Math.min(Math.max(by, -1), 1);
 }
 
-/** Whether more than a share of the samples of a picture saturate, percent: more than the page judges. @param {(Known | undefined)[]} all @param {number} most */
+/** Whether more than `most` percent of the samples of a picture saturate, so that the page does not judge its scores. @param {(Known | undefined)[]} all @param {number} most */
 export const isClipped = (all, most) => all.some((k) => (k?.picture?.saturated_percent ?? 0) > most);
 
 /**

@@ -31,6 +31,14 @@ export const SHAPES = {
 /** @param {Filter} filter */
 export const shapeOf = (filter) => Object.keys(filter)[0];
 
+/** The pigments of a filter in words, nothing if none make it. @param {import("./engine.js").Layer[] | null} pigments */
+export function pigmentsText(pigments) {
+  if (!pigments) return "";
+  if (pigments.length === 0) return "Clear: no pigment.";
+  const thickness = (/** @type {number} */ t) => (t < 0.01 ? t.toPrecision(1) : t.toFixed(2));
+  return `Pigments: ${pigments.map((p) => `${thickness(p.thickness)} × ${p.name}`).join(" + ")}. A thickness of 1 is that of the built-in filter.`;
+}
+
 /** A curve in words. @param {Filter} filter */
 export function curveText(filter) {
   const shape = shapeOf(filter);

@@ -115,7 +115,7 @@ fn of_light(
     Ok((expected(&found, luminances_cd_m2), derivatives))
 }
 
-/// A pigment in a filter.
+/// A pigment in a filter, and its thickness relative to the built-in filter.
 #[derive(Debug, Serialize)]
 pub(super) struct Layer {
     name: String,
@@ -199,11 +199,11 @@ impl PigmentsOn {
     fn new(grid: WavelengthGrid) -> Self {
         let family = Pigments::default();
         let name = |filter: &Filter| match filter {
-            Filter::Builtin(name) => name.clone(),
-            other => format!("{other:?}"),
+            Filter::Builtin(name) => Some(name.clone()),
+            _ => None,
         };
-        let names: Vec<String> = family.library.iter().map(name).collect();
-        // A filter is stated that other searches made, with more pigments than those of the page.
+        let names: Vec<String> = family.library.iter().filter_map(name).collect();
+        // Filters of other searches may have more pigments than those of the page.
         let any = FilterSpace::Pigments(Pigments { max_pigments: names.len(), ..family });
         Self { names, sampled: any.sampled(grid).ok() }
     }

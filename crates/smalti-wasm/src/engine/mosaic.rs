@@ -2,8 +2,10 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use serde::{Deserialize, Serialize};
-use smalti::camera::description::{CfaDescription, ExchangeError, KindedFilter, PatternDescription};
+use serde::Serialize;
+use serde::de::{DeserializeOwned, Error};
+use serde_json::Value;
+use smalti::camera::description::{CfaDescription, ExchangeError, FilterWithKind, PatternDescription};
 
 use super::EngineError;
 use super::request::MosaicRequest;
@@ -27,7 +29,7 @@ pub(super) struct ExchangedArray {
     /// The same with the filters that were changed by hand.
     array: CfaDescription,
     /// The filters that were changed by hand.
-    changed: Vec<KindedFilter>,
+    changed: Vec<FilterWithKind>,
     /// Whether it is the array of the camera that was opened.
     is_own: bool,
 }
@@ -35,10 +37,10 @@ pub(super) struct ExchangedArray {
 /// The array of a design with another mosaic: that of `CAMERA@MOSAIC` ([`CfaDescription::with_mosaic_of`]) for the camera that was opened, with the filters that were
 /// changed by hand in place of those of their kind.
 pub(super) fn exchanged(request: &MosaicRequest) -> Result<Exchanged, EngineError> {
-    let base = CfaDescription::deserialize(&request.base)?;
-    let last = CfaDescription::deserialize(&request.given)?;
-    let present = CfaDescription::deserialize(&request.array)?;
-    let before = Vec::<KindedFilter>::deserialize(&request.changed)?;
+    let base: CfaDescription = read("base", &request.base)?;
+    let last = read("given", &request.given)?;
+    let present = read("array", &request.array)?;
+    let before = read("changed", &request.changed)?;
     let pattern = PatternDescription::Name(request.mosaic.clone());
     let wanted = CfaDescription { pattern, ..CfaDescription::default() };
     let none = BTreeSet::new();
@@ -51,8 +53,8 @@ pub(super) fn exchanged(request: &MosaicRequest) -> Result<Exchanged, EngineErro
     };
     let changed = changed_by_hand(&last, &present, before)?;
     let mut by_hand = BTreeMap::new();
-    for KindedFilter { letter, kind, .. } in wanted.kinded_filters()? {
-        let serving = KindedFilter::serving(&changed, letter, kind.as_deref());
+    for FilterWithKind { letter, kind, .. } in wanted.filters_with_kind()? {
+        let serving = FilterWithKind::serving(&changed, letter, kind.as_deref());
         by_hand.extend(serving.map(|own| (letter.to_string(), own.filter.clone())));
     }
     let kept = base.with_mosaic_of(&CfaDescription { filters: by_hand, ..wanted }, &none)?.cfa;
@@ -62,25 +64,30 @@ pub(super) fn exchanged(request: &MosaicRequest) -> Result<Exchanged, EngineErro
     Ok(Exchanged::Array(Box::new(ExchangedArray { given: new, in_full, array, changed, is_own })))
 }
 
+/// A part of the request, with its key in errors.
+fn read<T: DeserializeOwned>(key: &str, value: &Value) -> Result<T, EngineError> {
+    T::deserialize(value).map_err(|e| serde_json::Error::custom(format!("{key}: {e}")).into())
+}
+
 /// The filters of an array that differ from those that it was given, and those that were changed before and that it does not have.
 fn changed_by_hand(
     given: &CfaDescription,
     array: &CfaDescription,
-    before: Vec<KindedFilter>,
-) -> Result<Vec<KindedFilter>, ExchangeError> {
+    before: Vec<FilterWithKind>,
+) -> Result<Vec<FilterWithKind>, ExchangeError> {
     let mut now = Vec::new();
-    for own in given.kinded_filters()? {
+    for own in given.filters_with_kind()? {
         let present = array.filters.get(&own.letter.to_string());
         now.extend(
-            present.map(|filter| (*filter != own.filter, KindedFilter { filter: filter.clone(), ..own })),
+            present.map(|filter| (*filter != own.filter, FilterWithKind { filter: filter.clone(), ..own })),
         );
     }
-    let is_older = |old: &KindedFilter| {
+    let is_older = |old: &FilterWithKind| {
         !now.iter().any(|(_, own)| match &old.kind {
             None => own.letter == old.letter,
             Some(_) => own.kind == old.kind,
         })
     };
-    let older: Vec<KindedFilter> = before.into_iter().filter(is_older).collect();
+    let older: Vec<FilterWithKind> = before.into_iter().filter(is_older).collect();
     Ok(now.into_iter().filter(|(is_changed, _)| *is_changed).map(|(_, own)| own).chain(older).collect())
 }

@@ -7,8 +7,8 @@ use crate::spectrum::Spectrum;
 
 impl Camera {
     /// The multiple of the light on the pixels beyond which more than a share of the samples (0 to below 1) saturates at the exposure of the camera. Light and mean
-    /// dark signal count; noise does not. It is 0 where the samples saturate in any light, and infinite where they never do, as with an exposure that
-    /// follows the light.
+    /// dark signal count; noise does not. It is 0 where the samples saturate in any light. It is infinite where they never do, as with an exposure that
+    /// follows the light, and where so few samples receive light that the others alone decide, whatever their dark signal is.
     ///
     /// `metered` is the irradiance at the point that the exposure rule meters ([`Camera::metered`]), in the same light; a stated time and a rule that meters all
     /// samples need none.

@@ -25,7 +25,7 @@ use crate::sensor::{Cfa, Exposure, Mosaic, NoiseMode, PixelSpectra};
 use crate::spectrum::{Observer, Spectrum};
 
 /// Ratio of each exposure of [`PipelineTrainer::thorough_pipeline`] to the next, from the longest down. Pictures have parts that are darker and
-/// brighter than the training scene. Where samples clip, exposures are closer, since other channels clip at each of them.
+/// brighter than the training scene. Where samples clip, exposures are closer, since different channels clip at each of them.
 const EXPOSURE_RATIOS: [f64; 10] = [SQRT_2, SQRT_2, SQRT_2, SQRT_2, SQRT_2, 2.0, 2.0, 2.0, 2.0, 2.0];
 /// The response of white at the longest of them, relative to saturation, and the limits of that exposure relative to that of the design.
 const OVEREXPOSED: f64 = 3.0;
@@ -147,18 +147,25 @@ impl PipelineTrainer {
         let saturated = self.data.surfaces_of(saturated)?;
         let surfaces =
             [(&**self.data.surfaces, THOROUGH_SURFACE_PATCHES), (&*saturated, SATURATED_SURFACE_PATCHES)];
-        self.patch_pipeline(&design, &Lesson { exposures: &exposures, surfaces: &surfaces, most })
+        self.patch_pipeline(&design, &PatchTraining { exposures: &exposures, surfaces: &surfaces, most })
     }
 
     /// A pipeline that is learned from patches at the exposure of a design.
     fn quick_patch_pipeline(&self, design: &ExposedDesign) -> Result<Pipeline, CameraError> {
         let surfaces = [(&**self.data.surfaces, SURFACE_PATCHES)];
-        self.patch_pipeline(design, &Lesson { exposures: &[1.0], surfaces: &surfaces, most: f64::INFINITY })
+        self.patch_pipeline(
+            design,
+            &PatchTraining { exposures: &[1.0], surfaces: &surfaces, most: f64::INFINITY },
+        )
     }
 
-    fn patch_pipeline(&self, design: &ExposedDesign, lesson: &Lesson<'_>) -> Result<Pipeline, CameraError> {
+    fn patch_pipeline(
+        &self,
+        design: &ExposedDesign,
+        from: &PatchTraining<'_>,
+    ) -> Result<Pipeline, CameraError> {
         let training = Training { solver: self.data.settings.solver, ..Training::default() };
-        Ok(training.solve(&self.statistics(design, lesson)?, String::new())?)
+        Ok(training.solve(&self.statistics(design, from)?, String::new())?)
     }
 
     /// Gathers what designs with a mosaic have in common, if it is not known yet. [`PipelineTrainer::pipeline`] does so when needed; doing
@@ -171,23 +178,27 @@ impl PipelineTrainer {
     }
 
     /// The moments of the patches of captures by a design.
-    fn statistics(&self, design: &ExposedDesign, lesson: &Lesson<'_>) -> Result<Statistics, CameraError> {
+    fn statistics(
+        &self,
+        design: &ExposedDesign,
+        from: &PatchTraining<'_>,
+    ) -> Result<Statistics, CameraError> {
         let (ExposedDesign { camera, exposure, scale, full, axes, .. }, data) = (design, &self.data);
         let outputs = ["X", "Y", "Z"].map(String::from).to_vec();
         let mut statistics = Statistics::new(axes.clone(), outputs, false)?;
-        for (seed, factor) in (data.seed..).zip(lesson.exposures) {
+        for (seed, factor) in (data.seed..).zip(from.exposures) {
             let exposure = Exposure { time_s: exposure.time_s * factor, ..*exposure };
             let raw = camera.sensor.capture_ideal(&*data.pixels, &exposure)?;
             let seen = camera.sensor.capture(&*data.pixels, &exposure, NoiseMode::All, seed)?;
             let mut target = Planes::clone(&data.seen);
             target.data_mut().iter_mut().for_each(|v| *v *= (scale * factor) as f32);
             let brightness = target.plane(LUMINANCE)?.to_vec();
-            limit_brightness(&mut target, lesson.most as f32, &brightness);
+            limit_brightness(&mut target, from.most as f32, &brightness);
             statistics.add(&Pair { raw: &raw, seen: Some(&seen), target: &target })?;
-            for &(surfaces, patches) in lesson.surfaces {
+            for &(surfaces, patches) in from.surfaces {
                 for (radiance, xyz) in surfaces {
                     let samples: Vec<f64> = design.samples(radiance).iter().map(|v| v * factor).collect();
-                    let bright = (full * factor).min(lesson.most / xyz[LUMINANCE]);
+                    let bright = (full * factor).min(from.most / xyz[LUMINANCE]);
                     statistics.add_even(&samples, &xyz.map(|v| v * bright), patches)?;
                 }
             }
@@ -196,8 +207,8 @@ impl PipelineTrainer {
     }
 }
 
-/// What a pipeline is learned from, beside the training scene.
-struct Lesson<'a> {
+/// What a pipeline is learned from in addition to the training scene, and at which exposures.
+struct PatchTraining<'a> {
     /// The exposures, relative to that of the design.
     exposures: &'a [f64],
     /// Uniform surfaces, and the number of patches that each of them counts for at every exposure.

@@ -29,7 +29,7 @@ pub enum ExchangeError {
     NoFilter {
         /// The letters without a filter, in alphabetical order, each with the kind of filter that it needs if the catalogue tells it.
         missing: Vec<(char, Option<String>)>,
-        /// The letters of the camera's filters; those that the mosaic has as well with their kind, which is another one.
+        /// The letters of the camera's filters. A letter that is also missing has the kind of the camera's filter if it is known; this kind differs from the one needed.
         known: Vec<(char, Option<String>)>,
     },
     /// The filters of the camera are not named by single letters.
@@ -54,10 +54,10 @@ fn listed(letters: &[(char, Option<String>)]) -> String {
     }
 }
 
-/// A filter of an array, with what tells for which letters of other mosaics it serves.
+/// A filter of an array and its kind, which decides which letters of other mosaics it serves.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct KindedFilter {
+pub struct FilterWithKind {
     /// Its letter.
     pub letter: char,
     /// The filter.
@@ -66,8 +66,9 @@ pub struct KindedFilter {
     pub kind: Option<String>,
 }
 
-impl KindedFilter {
-    /// That of some filters which serves a letter of a kind: one of the same letter, unless both kinds are known and differ; else one of the same kind.
+impl FilterWithKind {
+    /// The filter among `all` that serves a letter of a kind: one with the same letter, unless both kinds are known and differ; otherwise one of the same kind. `None` if
+    /// there is neither.
     #[must_use]
     pub fn serving<'a>(all: &'a [Self], letter: char, kind: Option<&str>) -> Option<&'a Self> {
         let fits = |own: &&Self| own.kind.is_none() || kind.is_none() || own.kind.as_deref() == kind;
@@ -85,8 +86,8 @@ impl CfaDescription {
     /// The same filters in another mosaic, that of `other`; filters that `other` states take precedence. `stated` are the letters of
     /// filters in `self` that were stated for the new mosaic: they apply to these letters in any case.
     ///
-    /// A filter serves a letter of the same kind: clear (`C` of `rccb`) is white (`W` of `rgbw`), and it is not cyan (`C` of `cygm`); `W` of 25 bands is no white
-    /// filter. The kind is known in mosaics of the catalogue, and of built-in filters that such a mosaic has, whether the camera names its mosaic or states its letters.
+    /// A filter serves a letter of the same kind: clear (`C` of `rccb`) is white (`W` of `rgbw`), and it is not cyan (`C` of `cygm`); the band `W` of `multispectral-5x5`
+    /// is not white either. The kind is known in mosaics of the catalogue, and of built-in filters that such a mosaic has, whether the camera names its mosaic or states its letters.
     /// Where one of the two kinds is not known, a filter serves the same letter. If the camera has no filter for a letter, that of the catalogue is taken, provided that
     /// all filters of the camera are those of the catalogue.
     ///
@@ -97,7 +98,7 @@ impl CfaDescription {
         other: &Self,
         stated: &BTreeSet<char>,
     ) -> Result<ExchangedMosaic, ExchangeError> {
-        let own = self.kinded_filters()?;
+        let own = self.filters_with_kind()?;
         let is_generic =
             !own.is_empty() && own.iter().all(|own| stated.contains(&own.letter) || own.is_generic());
         let wanted = other.wanted_filters()?;
@@ -113,7 +114,7 @@ impl CfaDescription {
                 continue;
             }
             let kind = default.as_deref().map(kind_of);
-            match (KindedFilter::serving(&own, *letter, kind), default) {
+            match (FilterWithKind::serving(&own, *letter, kind), default) {
                 (Some(found), default) => {
                     let default = default.as_ref().map(|name| Filter::Builtin(name.clone()));
                     if !default.is_some_and(|default| is_same(&default, &found.filter)) {
@@ -126,7 +127,7 @@ impl CfaDescription {
         }
         if !missing.is_empty() {
             missing.sort_unstable();
-            let is_missing = |o: &&KindedFilter| missing.iter().any(|(letter, _)| *letter == o.letter);
+            let is_missing = |o: &&FilterWithKind| missing.iter().any(|(letter, _)| *letter == o.letter);
             let known =
                 own.iter().map(|o| (o.letter, Some(o).filter(is_missing).and_then(|o| o.kind.clone())));
             let known = known.collect();
@@ -142,7 +143,7 @@ impl CfaDescription {
     ///
     /// # Errors
     /// When a filter is not named by a single letter, or the mosaic is not in the catalogue.
-    pub fn kinded_filters(&self) -> Result<Vec<KindedFilter>, ExchangeError> {
+    pub fn filters_with_kind(&self) -> Result<Vec<FilterWithKind>, ExchangeError> {
         let mut stated = BTreeMap::new();
         for (name, filter) in &self.filters {
             let letter = single(name).ok_or_else(|| ExchangeError::NoLetter { name: name.clone() })?;
@@ -153,7 +154,7 @@ impl CfaDescription {
             for (letter, default) in cfa::default_filters(name)? {
                 let kind = Some(kind_of(&default).to_owned());
                 let filter = stated.remove(&letter).unwrap_or(Filter::Builtin(default));
-                own.push(KindedFilter { letter, filter, kind });
+                own.push(FilterWithKind { letter, filter, kind });
             }
         }
         own.extend(stated.into_iter().map(|(letter, filter)| {
@@ -161,7 +162,7 @@ impl CfaDescription {
                 Filter::Builtin(name) if is_of_catalog(kind_of(name)) => Some(kind_of(name).to_owned()),
                 _ => None,
             };
-            KindedFilter { letter, filter, kind }
+            FilterWithKind { letter, filter, kind }
         }));
         Ok(own)
     }
@@ -208,7 +209,7 @@ impl CfaDescription {
     }
 }
 
-/// Whether mosaics of the catalogue have filters of a kind, which a letter alone does not tell: red, white, a band of several.
+/// Whether a mosaic of the catalogue has filters of this kind, such as red, white or one of several bands. A built-in filter of such a kind has it whatever its letter is.
 fn is_of_catalog(kind: &str) -> bool {
     let is_default = |entry: &CfaInfo| entry.filters.iter().any(|(_, name)| kind_of(name) == kind);
     kind.starts_with("band-") || cfa::names().iter().any(is_default)
@@ -344,7 +345,7 @@ mod tests {
             text.contains("the letter W (white), for which the camera has no filter; it has A, B,"),
             "{text}"
         );
-        // A curve of its own has the kind that its letter names.
+        // A curve of its own in a tile of letters serves the same letter.
         let curve = Filter::Samples { start_nm: 400.0, step_nm: 300.0, values: vec![0.8, 0.9] };
         let e = exchanged(&with(own, &[("W", curve.clone())]), &named("mono")).unwrap();
         assert_eq!(e.cfa, with(named("mono"), &[("W", curve)]));

@@ -12,7 +12,7 @@ mod optics;
 mod sensor;
 
 pub use binning::{BinnedBlocks, BinningDescription};
-pub use exchange::{ExchangeError, ExchangedMosaic, KindedFilter};
+pub use exchange::{ExchangeError, ExchangedMosaic, FilterWithKind};
 pub use exposure::{AutoExposureName, ConversionGainName, ExposureDescription};
 pub use isp::{ColorCorrectionName, IspDescription, OutputName, PipelineName};
 pub use optics::{OpticsDescription, OpticsModelName, PsfDescription};

@@ -201,9 +201,9 @@ impl LiveLearner {
             scenes: [
                 format!("training scene {} of studies, {1} × {1} pixels", learning.scene, learning.size_px),
                 match effort {
-                    LiveEffort::Quick => "uniform surfaces with the reflectances of the colour matrix",
+                    LiveEffort::Quick => "uniform surfaces with the reflectances that the colour matrix is fitted to",
                     LiveEffort::Thorough => {
-                        "uniform surfaces with the reflectances of the colour matrix and of training"
+                        "uniform surfaces with the reflectances that the colour matrix is fitted to, and with those of training"
                     }
                 }
                 .into(),

@@ -1,4 +1,4 @@
-//! On lines that end where they may, so that Miri and the address sanitizer see every read beyond them.
+//! Lines in allocations without spare memory, so that Miri and the address sanitizer detect every access beyond their end.
 
 use super::*;
 use crate::numeric::simd::{Set, with_widest};

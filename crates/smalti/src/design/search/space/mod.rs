@@ -141,7 +141,7 @@ impl SampledSpace {
         self.curves.thicknesses(parameters)
     }
 
-    /// The thickness of each pigment of a filter with a transmittance on the wavelengths of the space: of the fewest pigments that make it, at most
+    /// The thickness of each pigment of a filter with a transmittance on the wavelengths of the space, relative to that of its filter in the library: of the fewest pigments that make it, at most
     /// [`Pigments::max_pigments`], 0 for the others. Their transmittance differs from that of the filter by less than 0.005 everywhere. Thicknesses have no upper
     /// limit. `None` for filters that no pigments make, and for other families.
     #[must_use]

@@ -1,4 +1,4 @@
-//! The products alone, on memory that ends where it may, so that Miri and the address sanitizer see every read and write beyond it.
+//! The products alone, on allocations without spare memory, so that Miri and the address sanitizer detect every access beyond their end.
 
 use super::super::inputs::{COUNT, OUTPUTS, SIDE_XZ, SIDE_Y};
 use super::super::layout::{INPUTS_COARSE, INPUTS_FINE, Kernels, RowInputs, arranged};

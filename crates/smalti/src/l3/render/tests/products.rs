@@ -1,4 +1,4 @@
-//! The products alone, on memory that ends where it may, so that Miri and the address sanitizer see every read and write beyond it.
+//! The products alone, on allocations without spare memory, so that Miri and the address sanitizer detect every access beyond their end.
 
 use super::super::super::vectors::PIXELS;
 use super::super::fixed::Entry;
