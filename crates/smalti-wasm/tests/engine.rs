@@ -584,6 +584,16 @@ fn mosaics_keep_the_filters_of_the_camera_and_those_changed_by_hand() {
     let measured = json!({"pattern": "bayer", "filters": {"R": mine}});
     let missing = ask(&mut engine, &request(&measured, &measured, &json!([]), &by_hand, "rgbw")).said;
     assert_eq!(missing, json!({"missing": ["W"]}));
+    // A filter that was added serves its letter, in one mosaic after another.
+    let mut added = by_hand.clone();
+    added["filters"]["W"] = mine.clone();
+    let mut last = ask(&mut engine, &request(&measured, &measured, &json!([]), &added, "rgbw")).said;
+    for mosaic in ["mono", "rgbw"] {
+        assert_eq!(last["array"]["filters"]["W"], mine, "{last}");
+        let next = request(&measured, &last["given"], &last["changed"], &last["array"], mosaic);
+        last = ask(&mut engine, &next).said;
+    }
+    assert_eq!((&last["array"]["filters"]["W"], &last["array"]["filters"]["R"]), (&mine, &mine));
     assert!(refused(&mut engine, &request(&base, &base, &json!([]), &plain, "bayr")).contains("bayer"));
 }
 

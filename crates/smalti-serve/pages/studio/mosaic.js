@@ -1,6 +1,6 @@
 // @ts-check
 // The mosaic: cells that are painted with the pointer or the keyboard, the palette, size, symmetry and templates.
-import { announce, byId, make, message, tell } from "./dom.js";
+import { announce, byId, make, message, tell, untell } from "./dom.js";
 import { MAX_SIDE, addFilter, images, letterAt, letters, paint, removeFilter, resize, share, size } from "./design.js";
 import { withMosaic } from "./exchange.js";
 import { UNKNOWN, inkOn } from "./tile-drawing.js";
@@ -143,6 +143,8 @@ export function setUpMosaic(store, engine, colors) {
   // Mosaics of mixtures have letters without a filter, which this editor does not paint.
   const plain = engine.catalogue.cfas.filter(({ tile, filters }) => Math.max(tile.length, tile[0].length) <= MAX_SIDE && [...tile.join("")].every((l) => l in filters));
   template.append(...plain.map(({ name, tile }) => make("option", { value: name }, `${name} (${tile.length} × ${tile[0].length})`)));
+  /** Why the last mosaic was refused. */
+  let refusal = "";
   /** Gives a mosaic of the catalogue to the design, as it is when the engine has answered. @param {Engine["catalogue"]["cfas"][number]} chosen */
   async function startFrom(chosen) {
     const { name, tile } = chosen;
@@ -152,8 +154,10 @@ export function setUpMosaic(store, engine, colors) {
     if ("missing" in found) {
       const { missing } = found;
       const filters = missing.length === 1 ? `a filter for ${missing[0]}` : `filters for ${missing.join(", ")}`;
-      return tell(`${name} needs ${filters}, and ${origin.base.name} has curves of its own, which the generic filters of the catalogue do not fit. Add filters and paint with them, or start from another camera preset.`, "trouble");
+      refusal = `${name} needs ${filters}, and ${origin.base.name} has curves of its own, which the generic filters of the catalogue do not fit. Add filters with these letters, or start from another camera preset.`;
+      return tell(refusal, "trouble");
     }
+    untell(refusal);
     store.change(found.camera, `the mosaic ${name}`, undefined, found.origin);
     announce(`${name}: ${tile.length} rows, ${tile[0].length} columns, ${letters(store.camera).length} filters`);
   }

@@ -43,21 +43,29 @@ pub(super) fn exchanged(request: &MosaicRequest) -> Result<Exchanged, EngineErro
     let before = read("changed", &request.changed)?;
     let pattern = PatternDescription::Name(request.mosaic.clone());
     let wanted = CfaDescription { pattern, ..CfaDescription::default() };
-    let none = BTreeSet::new();
-    let new = match base.with_mosaic_of(&wanted, &none) {
+    let changed = changed_by_hand(&last, &present, before)?;
+    let generic = wanted.filters_with_kind()?;
+    let mut by_hand = BTreeMap::new();
+    for FilterWithKind { letter, kind, .. } in &generic {
+        let serving = FilterWithKind::serving(&changed, *letter, kind.as_deref());
+        by_hand.extend(serving.map(|own| (letter.to_string(), own.filter.clone())));
+    }
+    let with = |filters| base.with_mosaic_of(&CfaDescription { filters, ..wanted.clone() }, &BTreeSet::new());
+    let new = match with(BTreeMap::new()) {
         Err(ExchangeError::NoFilter { missing, .. }) => {
-            let missing = missing.into_iter().map(|(letter, _)| letter).collect();
-            return Ok(Exchanged::Missing { missing });
+            let is_missing = |letter: char| missing.iter().any(|(l, _)| *l == letter);
+            let missing: Vec<char> =
+                missing.iter().map(|(l, _)| *l).filter(|l| !by_hand.contains_key(&l.to_string())).collect();
+            if !missing.is_empty() {
+                return Ok(Exchanged::Missing { missing });
+            }
+            // Where the camera has none, that of the catalogue stands for a filter by hand, which thus remains one.
+            let own = generic.into_iter().filter(|own| is_missing(own.letter));
+            with(own.map(|own| (own.letter.to_string(), own.filter)).collect())?.cfa
         }
         other => other?.cfa,
     };
-    let changed = changed_by_hand(&last, &present, before)?;
-    let mut by_hand = BTreeMap::new();
-    for FilterWithKind { letter, kind, .. } in wanted.filters_with_kind()? {
-        let serving = FilterWithKind::serving(&changed, letter, kind.as_deref());
-        by_hand.extend(serving.map(|own| (letter.to_string(), own.filter.clone())));
-    }
-    let kept = base.with_mosaic_of(&CfaDescription { filters: by_hand, ..wanted }, &none)?.cfa;
+    let kept = with(by_hand)?.cfa;
     let in_full = new.in_full()?;
     let is_own = in_full == base.in_full()?;
     let array = kept.in_full()?;
@@ -69,14 +77,17 @@ fn read<T: DeserializeOwned>(key: &str, value: &Value) -> Result<T, EngineError>
     T::deserialize(value).map_err(|e| serde_json::Error::custom(format!("{key}: {e}")).into())
 }
 
-/// The filters of an array that differ from those that it was given, and those that were changed before and that it does not have.
+/// The filters of an array that were added to those that it was given or differ from them, and those that were changed before and that it does not have.
 fn changed_by_hand(
     given: &CfaDescription,
     array: &CfaDescription,
     before: Vec<FilterWithKind>,
 ) -> Result<Vec<FilterWithKind>, ExchangeError> {
-    let mut now = Vec::new();
-    for own in given.filters_with_kind()? {
+    let given = given.filters_with_kind()?;
+    let is_added = |own: &FilterWithKind| given.iter().all(|before| before.letter != own.letter);
+    let added = array.filters_with_kind()?.into_iter().filter(is_added).map(|own| (true, own));
+    let mut now: Vec<_> = added.collect();
+    for own in given.iter().cloned() {
         let present = array.filters.get(&own.letter.to_string());
         now.extend(
             present.map(|filter| (*filter != own.filter, FilterWithKind { filter: filter.clone(), ..own })),
