@@ -25,7 +25,7 @@ export function clippingText({ own, pin, most }) {
   const limit = own === undefined ? "." : own < darkest ? `: at every luminance shown (dotted), ${what}.`
     : own >= brightest ? `. Up to ${brightest} cd/m², the design clips at most ${most} % of the samples of this scene.`
       : `: beyond ${Number(own.toPrecision(3))} cd/m² (dotted), ${what}.`;
-  const pinned = own === undefined || pin >= brightest ? "" : pin < darkest ? " The pinned design clips more at every luminance shown." : ` The pinned design clips more beyond ${Number(pin.toPrecision(3))} cd/m².`;
+  const pinned = own === undefined || pin >= brightest ? "" : pin < darkest ? ` The pinned design clips more than ${most} % at every luminance shown.` : ` The pinned design clips more than ${most} % beyond ${Number(pin.toPrecision(3))} cd/m².`;
   return `Expected figures do not include clipping${limit}${pinned}`;
 }
 
