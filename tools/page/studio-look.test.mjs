@@ -201,10 +201,14 @@ test("a pinned picture of other conditions is not shown", async () => {
   await page.locator('[data-view="other"]').click();
   await settled(page);
   assert.equal(await page.locator("#caption").textContent(), "Pinned: bayer");
+  // What it says from the choice of another scene on.
   await page.evaluate(() => {
-    window.captions = [];
     const caption = document.getElementById("caption");
-    new MutationObserver(() => window.captions.push(caption.textContent)).observe(caption, { childList: true });
+    const observer = new MutationObserver(() => window.captions.push(caption.textContent));
+    document.getElementById("scene").addEventListener("change", () => {
+      window.captions = [];
+      observer.observe(caption, { childList: true });
+    }, { capture: true });
   });
   const begun = await pixels(page);
   await page.locator("#scene").selectOption("spices");

@@ -19,14 +19,13 @@ export const FIGURES = { cpsnr_db: "CPSNR, dB", delta_e_2000: "ΔE2000", scielab
 export const hasCurve = (over, key) => [...over.own, ...over.pin].some((e) => Number.isFinite(e[key]));
 
 /** What is said of clipping. @param {Clips} clips */
-export function clippingText({ own, pin, most }) {
+export function clippingText({ own, most }) {
   const [darkest, brightest] = [LUMINANCES[0], LUMINANCES[LUMINANCES.length - 1]];
   const what = `the design clips more than ${most} % of the samples of this scene`;
   const limit = own === undefined ? "." : own < darkest ? `: at every luminance shown (dotted), ${what}.`
     : own >= brightest ? `. Up to ${brightest} cd/m², the design clips at most ${most} % of the samples of this scene.`
       : `: beyond ${Number(own.toPrecision(3))} cd/m² (dotted), ${what}.`;
-  const pinned = own === undefined || pin >= brightest ? "" : pin < darkest ? ` The pinned design clips more than ${most} % at every luminance shown.` : ` The pinned design clips more than ${most} % beyond ${Number(pin.toPrecision(3))} cd/m².`;
-  return `Expected figures do not include clipping${limit}${pinned}`;
+  return `Expected figures do not include clipping${limit}`;
 }
 
 /**
