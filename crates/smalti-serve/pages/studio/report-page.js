@@ -63,7 +63,7 @@ function scores({ own, pin, rows, isClipped, clips, warnings }) {
   const head = [["Score"], [pin ? nameOf(own) : "Value"], ...(pin ? [[nameOf(pin)], ["Change"], ["Doubt"]] : [])];
   const all = rows.map(({ score, value, before, change }) => [
     [score.label, score.unit && make("span", { class: "hint" }, ` ${score.unit}`)], [value ?? "–"],
-    ...(pin ? [[before ?? "–"], [make("span", { class: "delta", "data-kind": change?.kind }, change?.shown.replace(/ ± .*/, "") ?? "–")], [doubt(score.metric)]] : []),
+    ...(pin ? [[before ?? "–"], [make("span", { class: "delta", "data-kind": change?.kind }, change?.shown ?? "–")], [doubt(score.metric)]] : []),
   ]);
   return section("Scores",
     table(pin ? `Scores of ${nameOf(own)}, and how they differ from those of the pinned ${nameOf(pin)}` : `Scores of ${nameOf(own)}`, head, all, { kind: "scored" }),

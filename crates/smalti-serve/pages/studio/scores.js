@@ -3,7 +3,7 @@
 import { byId, draw, make, textScale } from "./dom.js";
 import { SEED } from "./engine.js";
 import { FIGURES, clippingText, hasCurve, lightPlot } from "./light-plot.js";
-import { text } from "./numbers.js";
+import { signed, text } from "./numbers.js";
 
 /** @typedef {import("./engine.js").Picture} Picture */
 /** @typedef {import("./engine.js").Scores} Scores */
@@ -13,7 +13,7 @@ import { text } from "./numbers.js";
  * A score: where it is, how it is written, which direction is better, its name in the catalogue of metrics, and whether it is one of the picture or of the figures of the array.
  * @typedef {{ label: string, metric: string, unit: string, title: string, better: 1 | -1, digits: number, of: import("./work.js").Loop, get: (known: Known) => number | null | undefined }} Score
  */
-/** How a score differs from that of the pinned design: as it is shown and said. @typedef {{ shown: string, said: string, kind: "same" | "better" | "worse" }} Change */
+/** How a score differs from that of the pinned design: as it is shown and said, and the doubt of the page if the change is within it. @typedef {{ shown: string, said: string, kind: "same" | "better" | "worse", doubt?: number }} Change */
 /** A score as it is shown: in numbers, with that of the pinned design, what changed, and the length of its bar. @typedef {{ score: Score, value: string | undefined, before: string | undefined, change: Change | undefined, length: number }} Row */
 /** @type {Score[]} */
 const SCORES = [
@@ -60,11 +60,11 @@ function change(score, from, to, length, doubt) {
   const by = Number((to - from).toFixed(score.digits));
   if (by === 0) return { shown: "±0", said: "as pinned", kind: "same" };
   const amount = text(Math.abs(by), score.digits);
-  const shown = `${by > 0 ? "+" : "−"}${amount}`;
+  const shown = signed(by, score.digits);
   const directed = `${amount} ${by > 0 ? "more" : "less"} than pinned`;
   if (Math.abs(length) * BAR_END < 1) return { shown, said: `${directed}, which is not relevant`, kind: "same" };
   if (doubt === Infinity) return { shown: `${shown}, clipped`, said: `${directed}, not judged where the picture clips`, kind: "same" };
-  if (Math.abs(by) < doubt) return { shown: `${shown} ± ${doubt}`, said: `${directed}, within the doubt of this page, ${doubt}`, kind: "same" };
+  if (Math.abs(by) < doubt) return { shown, said: `${directed}, within the doubt of this page, ${doubt}`, kind: "same", doubt };
   const kind = length > 0 ? "better" : "worse";
   return { shown: `${shown} ${kind}`, said: `${amount} ${kind} than pinned`, kind };
 }
@@ -186,7 +186,7 @@ export function setUpScores(catalogue) {
       for (const [i, { value, delta, gauge, fill }] of parts.entries()) {
         const { score, value: now, change: difference, length } = rows[i];
         value.textContent = now ?? "–";
-        delta.replaceChildren(...(difference ? [make("span", { "aria-hidden": "true" }, difference.shown), make("span", { class: "unseen" }, difference.said)] : []));
+        delta.replaceChildren(...(difference ? [make("span", { "aria-hidden": "true" }, difference.shown, difference.doubt !== undefined && ` ± ${difference.doubt}`), make("span", { class: "unseen" }, difference.said)] : []));
         delta.dataset.kind = difference?.kind ?? "";
         fill.setAttribute("x", String(50 + Math.min(length, 0) * 50));
         fill.setAttribute("width", String(Math.abs(length) * 50));
