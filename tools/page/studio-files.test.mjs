@@ -91,7 +91,11 @@ test("without a server the page saves a report that stands alone and has the fig
   const rows = await read.page.locator("table.scored tbody tr").evaluateAll((all) => all.map((row) => [...row.children].map((cell) => cell.textContent)));
   assert.deepEqual(rows.map((row) => row.slice(0, 4)), shown.map(([label, unit, value, delta], i) => [unit ? `${label} ${unit}` : label, value, begun[i][2], delta.replace(/ ± .*/, "")]));
   assert.equal(rows.length, 12);
-  assert.deepEqual(rows.map((row) => row[4]).filter((doubt) => doubt !== "–"), ["± 0.9", "± 0.6", "± 1.3", "± 1.8"]);
+  assert.deepEqual(rows.map((row) => row[4]).slice(0, 5), ["± 0.9", "± 0.6", "± 1.3", "± 1.8", "± 0.03"]);
+  const [, noise, noiseBefore, , noiseDoubt] = rows[5];
+  assert.ok(Math.abs(Number(noiseDoubt.replace("± ", "")) - 0.4 * Math.max(noise, noiseBefore)) < 0.01, JSON.stringify(rows[5]));
+  assert.deepEqual(rows.slice(6).map((row) => row[4]), Array(6).fill("–"));
+  assert.ok((await section("Scores").textContent()).includes("It is 0.9 dB (CPSNR), 0.6 (ΔE2000), 1.3 (ΔE2000, 95 %), 1.8 (S-CIELAB), 0.03 cy/px (MTF50 4:1; 0.1 below 10 cd/m²) and 40 % of the larger value (Noise)."));
   assert.deepEqual(await section("Scores").locator("ul li").allTextContents(), warnings);
   assert.ok(warnings.length > 0);
   assert.ok((await section("Over luminance").textContent()).includes(clipping));

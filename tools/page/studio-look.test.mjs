@@ -3,7 +3,7 @@ import assert from "node:assert/strict";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { axe, weakContrast } from "./browser.mjs";
-import { cells, pixels, settled, startFrom, stated, studio, text } from "./studio.mjs";
+import { cells, openPreset, pixels, settled, startFrom, stated, studio, text } from "./studio.mjs";
 
 let own;
 before(async () => { own = await studio(); });
@@ -15,7 +15,7 @@ for (const colorScheme of ["light", "dark"]) {
     const { page, faults, close } = await open({ colorScheme });
     // A mosaic with a clear filter, and a difference from what is pinned.
     await startFrom(page, "rgbw");
-    await page.getByLabel("Preset").selectOption({ label: "phone" });
+    await openPreset(page, "phone");
     await settled(page);
     await page.keyboard.press("Control+z");
     await page.getByText("Definitions", { exact: true }).press("Enter");

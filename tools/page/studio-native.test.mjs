@@ -5,7 +5,7 @@ import { readFile, writeFile } from "node:fs/promises";
 import { createServer } from "node:http";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
-import { cells, filterOf, lockCell, lockFilter, pixels, saved, settled, studio, toml } from "./studio.mjs";
+import { cells, filterOf, lockCell, lockFilter, openPreset, pixels, saved, settled, studio, toml } from "./studio.mjs";
 
 let own;
 before(async () => { own = await studio(); });
@@ -68,7 +68,7 @@ test("heavy work goes to the native library, can be cancelled, and its files ope
   assert.ok((await readFile(await png.path())).equals(await readFile(join(own.dir, "learned", "rendered.png"))), "the picture is that of smalti simulate");
   // The report is a page that works alone.
   await page.getByText("File", { exact: true }).click();
-  const [report] = await Promise.all([page.waitForEvent("download", { timeout: 240_000 }), page.getByRole("button", { name: "Save report (HTML)" }).click()]);
+  const [report] = await Promise.all([page.waitForEvent("download", { timeout: 240_000 }), page.getByRole("button", { name: "Save report with intervals (HTML)" }).click()]);
   assert.equal(report.suggestedFilename(), "mine-report.html");
   await panel.getByText("The report is done. The file mine-report.html was downloaded.").waitFor();
   // What was computed before a change of the design says so, until the change is undone.
@@ -118,7 +118,7 @@ test("the native library receives the camera as stated", async () => {
   const sent = [];
   const { page, faults, close } = await open({}, undefined, (p) => p.on("websocket", (socket) => { connection = socket; socket.on("framesent", ({ payload }) => sent.push(JSON.parse(payload))); }));
   assert.ok(connection);
-  await page.getByLabel("Preset").selectOption({ label: "phone" });
+  await openPreset(page, "phone");
   await settled(page);
   const raw = await saved(page, "Save raw capture (DNG)");
   assert.match(raw.name, /^phone-.*\.dng$/);

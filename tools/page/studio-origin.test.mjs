@@ -4,7 +4,7 @@ import { spawnSync } from "node:child_process";
 import { writeFile } from "node:fs/promises";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
-import { cells, field, filterOf, saved, settled, smalti, startFrom, studioAndSite, toml } from "./studio.mjs";
+import { cells, field, filterOf, openPreset, saved, settled, smalti, startFrom, studioAndSite, toml } from "./studio.mjs";
 
 let own;
 before(async () => { own = await studioAndSite(); });
@@ -30,7 +30,7 @@ test("every built-in camera has with every mosaic the filters that CAMERA@MOSAIC
     const { catalogue } = engine;
     const all = catalogue.cfas.filter(({ tile, filters }) => [...tile.join("")].every((letter) => letter in filters));
     const found = await Promise.all(catalogue.cameras.flatMap((design) => all.map(async (mosaic) => {
-      const origin = originOf(catalogue, design);
+      const origin = await originOf(engine, design);
       const { camera, missing = [] } = await withMosaic(engine, origin.camera, origin, mosaic.name);
       const isOwn = [mosaic.name, ...mosaic.aliases].includes(design.sensor.cfa.pattern);
       return { of: design.name, isOwn, hasBinning: Boolean(design.sensor.binning), mosaic: mosaic.name, camera, missing };
@@ -75,14 +75,14 @@ test("a mosaic of the catalogue is the same on every path, and is that of CAMERA
   await startFrom(page, "bayer");
   assert.equal(await page.getByLabel("Name of the design").inputValue(), "bayer", "its own mosaic is no other one");
   // The preset that was chosen last.
-  await page.getByLabel("Preset").selectOption({ label: "rgbw" });
+  await openPreset(page, "rgbw");
   await startFrom(page, "five-band");
   await expected("rgbw@five-band", await read(page));
   await page.keyboard.press("Control+z");
   await startFrom(page, "mono");
   await expected("rgbw@mono", await read(page));
   // A camera with curves of its own has none for some letters.
-  await page.getByLabel("Preset").selectOption({ label: "cmv12000" });
+  await openPreset(page, "cmv12000");
   const before = await cells(page);
   await startFrom(page, "rgbw");
   await page.locator("#message[data-kind=trouble]", { hasText: "rgbw needs a filter for W, and cmv12000 has curves of its own, which the generic filters of the catalogue do not fit." }).waitFor();
@@ -90,7 +90,7 @@ test("a mosaic of the catalogue is the same on every path, and is that of CAMERA
   await startFrom(page, "quad-bayer");
   await expected("cmv12000@quad-bayer", await read(page));
   // A shared design that has a mosaic of the catalogue is known to have it.
-  await page.getByLabel("Preset").selectOption({ label: "bayer" });
+  await openPreset(page, "bayer");
   await startFrom(page, "multispectral-5x5");
   await page.getByRole("button", { name: "Share" }).click();
   await page.waitForFunction(() => location.hash.length > 10);
@@ -135,7 +135,7 @@ test("filters that were changed by hand replace those of their kind in every mos
   await startFrom(page, "quad-bayer");
   assert.equal(filterOf(await toml(page), "R"), changed);
   // An opened camera begins anew.
-  await page.getByLabel("Preset").selectOption({ label: "bayer" });
+  await openPreset(page, "bayer");
   await startFrom(page, "xtrans");
   assert.match(filterOf(await toml(page), "R"), /builtin = "red"/);
   await settled(page);

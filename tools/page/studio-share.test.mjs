@@ -5,7 +5,7 @@ import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { pathToFileURL } from "node:url";
 import { crc32, deflateSync } from "node:zlib";
-import { cells, pixels, saved, score, settled, site, startFrom, studio, toml } from "./studio.mjs";
+import { cells, openPreset, pixels, saved, score, settled, site, startFrom, studio, toml } from "./studio.mjs";
 
 let own;
 before(async () => { own = await studio(); });
@@ -55,6 +55,10 @@ test("a shared address opens the same design, and the saved camera file is that 
   await other.page.waitForFunction(() => document.getElementById("name").value === "first");
   await other.page.locator("#pinned", { hasText: "Against the pinned second" }).waitFor();
   assert.equal(await other.page.locator("#note").textContent(), "first is open, and second is pinned for comparison.");
+  // What was chosen as pinned stays when another camera is opened.
+  await openPreset(other.page, "phone");
+  assert.equal(await other.page.locator("#note").textContent(), "phone is open and compared with the pinned second.");
+  await other.page.locator("#pinned", { hasText: "Against the pinned second" }).waitFor();
   await other.page.locator("#file").setInputFiles(results([]));
   await other.page.locator("#message[data-kind=trouble]", { hasText: "it holds no camera" }).waitFor();
   await other.page.locator("#file").setInputFiles({ name: "red.csv", mimeType: "text/csv", buffer: Buffer.from("nm,percent\n400,0\n600,10\n610,90\n700,80\n") });
@@ -71,6 +75,8 @@ test("an address that is pasted into the open page opens its design, which can b
   await startFrom(page, "rgbw");
   await page.locator("#scene").selectOption("spices");
   await page.getByLabel("Luminance", { exact: true }).press("Home");
+  await page.getByLabel("Against").selectOption("pin");
+  await page.getByRole("button", { name: "Difference" }).click();
   await settled(page);
   await page.getByRole("button", { name: "Share" }).click();
   await page.waitForFunction(() => location.hash.length > 10);
@@ -84,6 +90,14 @@ test("an address that is pasted into the open page opens its design, which can b
   assert.deepEqual(await cells(other.page), mosaic);
   assert.equal(await other.page.locator("#scene").inputValue(), "spices");
   assert.equal(await other.page.locator("#luminance-value").textContent(), "0.1 cd/m²");
+  // The picture is looked at as it was, also when the page opens with the address.
+  const looks = async (page) => [await page.locator("#other").inputValue(), await page.locator("[data-view][aria-pressed=true]").textContent()];
+  assert.deepEqual(await looks(other.page), ["pin", "Difference"]);
+  const third = await open({}, address);
+  assert.deepEqual(await looks(third.page), ["pin", "Difference"]);
+  await third.page.locator("#caption", { hasText: /^ΔE2000 from the pinned bayer$/ }).waitFor();
+  assert.deepEqual(third.faults, []);
+  await third.close();
   await other.page.keyboard.press("Control+z");
   assert.deepEqual(await cells(other.page), ["RG", "GB"]);
   await other.page.evaluate(() => { location.hash = "#1.broken"; });
@@ -100,7 +114,7 @@ test("a camera stays as stated when the page does not simulate all of it, and th
   for (const [camera, ...left] of [
     ["phone", "crosstalk", "exposure by a percentile of the illuminance"], ["phone-quad-binned", "binning"], ["rgbx", "its wavelengths of 400 to 830 nm"],
   ]) {
-    await page.getByLabel("Preset").selectOption({ label: camera });
+    await openPreset(page, camera);
     await settled(page);
     const said = await note.textContent();
     assert.ok(await note.isVisible());
@@ -118,7 +132,7 @@ test("a camera stays as stated when the page does not simulate all of it, and th
   await page.keyboard.press("Escape");
   await note.locator("p", { hasText: "Not simulated on this page for rgbx: " }).waitFor({ state: "hidden" });
   // Also for a pinned camera alone.
-  await page.getByLabel("Preset").selectOption({ label: "bayer" });
+  await openPreset(page, "bayer");
   assert.ok(await note.isHidden());
   await page.keyboard.press("Control+z");
   await page.getByRole("button", { name: "Pin", exact: true }).click();
@@ -152,8 +166,8 @@ test("a photograph becomes a scene and stays in the browser; what is none is ref
   const sent = [];
   page.on("request", (r) => { if (r.method() !== "GET" || r.postData() !== null) sent.push(r.url()); });
   const begun = await pixels(page);
-  await page.locator("#photo").setInputFiles({ name: "wall.png", mimeType: "image/png", buffer: png(2000, 900) });
-  await page.locator("#message", { hasText: /The photograph “wall” is now a scene of 942 × 424 pixels in daylight. Its spectra are estimated .* It stays in this browser/ }).waitFor();
+  await page.locator("#photo").setInputFiles({ name: "the wall's.png", mimeType: "image/png", buffer: png(2000, 900) });
+  await page.locator("#message", { hasText: /The photograph “the wall's” is now a scene of 942 × 424 pixels in daylight. Its spectra are estimated .* It stays in this browser/ }).waitFor();
   await settled(page);
   // The note stays until the next action, and its text for screen readers.
   const message = page.locator("#message");
@@ -164,12 +178,12 @@ test("a photograph becomes a scene and stays in the browser; what is none is ref
   assert.match(await page.locator("#note").textContent(), /is now a scene/);
   await page.getByRole("button", { name: "Fit" }).click();
   assert.notEqual(await pixels(page), begun);
-  assert.equal(await page.locator("#scene option:checked").textContent(), "wall");
-  assert.equal((await saved(page, "Save picture as PNG")).name, "bayer-wall-10.png");
+  assert.equal(await page.locator("#scene option:checked").textContent(), "the wall's");
+  assert.equal((await saved(page, "Save picture as PNG")).name, "bayer-the-wall-s-10.png");
   // The page makes the report of a photograph itself, and states what the command needs beside the camera file.
   const report = (await saved(page, "Save report of this picture (HTML)")).content.toString();
-  assert.match(report, /<p class="hint">wall at 10 cd\/m² in daylight/);
-  assert.match(report, /<code>smalti compare bayer\.toml --luminance 10 --exposure own --scene photograph\.png<\/code>/);
+  assert.match(report, /<p class="hint">the wall's at 10 cd\/m² in daylight/);
+  assert.match(report, /<code>smalti compare bayer\.toml --luminance 10 --exposure own --scene '\.\/the wall'\\''s\.png'<\/code>/);
   assert.equal(await page.evaluate(async () => (await import(new URL("files.js", document.baseURI))).fileName("bayer ../Café 東京 \u202e<b> 10", "dng")), "bayer-cafe-東京-b-10.dng");
   assert.ok(await score(page, "CPSNR") > 15);
   // Dropped, behind another lens too.
@@ -214,7 +228,7 @@ test("the exported folder works from any web server, and nothing moves while it 
   assert.ok(await page.getByRole("button", { name: "Global search" }).isHidden());
   await page.getByText("File", { exact: true }).click();
   // The engine makes the table and the raw image of the picture.
-  assert.equal(await page.getByRole("button", { name: "Save report (HTML)" }).count(), 0);
+  assert.equal(await page.getByRole("button", { name: "Save report with intervals (HTML)" }).count(), 0);
   assert.equal(await page.getByRole("button", { name: /Save learned table|Save raw capture/ }).count(), 2);
   await page.getByText("smalti train", { exact: true }).waitFor();
   assert.equal(await page.locator(".about p").innerText(), "Scores of the picture: one scene, one noise realisation (seed 1), no interval. Scores at full size (more pixels, more training scenes) and in the curves (expected over the training scenes) differ. smalti compare states intervals.");

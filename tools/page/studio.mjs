@@ -84,6 +84,11 @@ export const pixels = (page) => page.locator("#canvas").evaluate((canvas) => {
   for (let i = 0; i < data.length; i += 1) hash = (hash * 31 + data[i]) | 0;
   return hash;
 });
+// Opens a built-in camera. The list has its name until it is open, or until it is refused.
+export async function openPreset(page, camera) {
+  await page.getByLabel("Preset").selectOption({ label: camera });
+  await page.waitForFunction(() => document.getElementById("preset").value === "");
+}
 // Gives a mosaic to the design. The list has its name until the design has it, or until it is refused.
 export async function startFrom(page, mosaic) {
   await page.getByLabel("Start from").selectOption(mosaic);

@@ -159,6 +159,7 @@ const tasks = {
   },
   step: async (content) => ask("step", content),
   mosaic: async (content) => ask("mosaic", content),
+  in_full: async (content) => ask("in_full", content),
   camera_toml: async (content) => ask("camera_toml", content),
   parse: async (content) => ask("parse", content),
 };

@@ -49,8 +49,8 @@ import { Lights, START } from "./lights.js";
 /** The camera whose light came with the page, without its mosaic. @typedef {{ id: string, name: string, camera: Design }} Setup */
 
 /**
- * A warning about a design. `filter` is the letter of the filter that it is about.
- * @typedef {{ key: string, message: string, filter?: string }} Warning
+ * A warning about a design. `filters` are the letters of the filters that it is about, the worst first.
+ * @typedef {{ key: string, message: string, filters?: string[] }} Warning
  */
 
 /**
@@ -94,8 +94,8 @@ import { Lights, START } from "./lights.js";
 
 /**
  * Curves over `wavelengths_nm`. `quantum_efficiency` is electrons per photon behind the filter, the infrared cut and the lens; `color` is
- * the filter as the standard observer sees it before the light, sRGB. `pigments` are the layers of which the filter is made, of a thickness relative to the built-in
- * filters, null if none make it.
+ * the filter as the standard observer sees it before the light, sRGB. `pigments` are the layers of which a filter in samples is made, of a thickness relative to the
+ * built-in filters, null if none make it.
  * @typedef {object} Curves
  * @property {number[]} wavelengths_nm
  * @property {{ letter: string, transmittance: number[], quantum_efficiency: number[], color: string, pigments: Layer[] | null }[]} channels
@@ -356,6 +356,11 @@ export class Engine {
    */
   async mosaic(wanted) {
     return (await again(() => this.#figures.ask("mosaic", wanted))).said;
+  }
+
+  /** An array with its tile in letters and with all of its filters. @param {ColorArray} array @returns {Promise<FullArray>} */
+  async inFull(array) {
+    return (await again(() => this.#figures.ask("in_full", { array }))).said;
   }
 
   /** The camera file of a design, for all other commands. @param {Design} design @returns {Promise<string>} */

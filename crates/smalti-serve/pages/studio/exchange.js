@@ -20,14 +20,14 @@ const CHANGED = "-changed";
 /** @param {unknown} a @param {unknown} b */
 const isEqual = (a, b) => JSON.stringify(a) === JSON.stringify(b);
 
-/** A design with its tile in letters and its filters in full, which the page can change. @param {Engine["catalogue"]} catalogue @param {Design} design @returns {Camera} */
-export function inFull({ cfas }, design) {
-  const { pattern = "bayer", filters } = design.sensor?.cfa ?? {};
-  if (typeof pattern !== "string") return withArray(design, pattern, { ...filters });
-  const known = cfas.find(({ name, aliases }) => name === pattern || aliases?.includes(pattern));
-  if (!known) throw new Error(`sensor.cfa.pattern is "${pattern}"; expected the name of a mosaic of the catalogue, or its lines in letters`);
-  return withArray(design, known.tile, { ...known.filters, ...filters });
+/** A design with its tile in letters and its filters in full, which the page can change. @param {Engine} engine @param {Design} design @returns {Promise<Camera>} */
+export async function inFull(engine, design) {
+  const { pattern, filters } = await engine.inFull(design.sensor?.cfa ?? {});
+  return withArray(design, pattern, filters);
 }
+
+/** A design whose tile is in letters, with its filters in the order of the page. @param {Design} design @returns {Camera} */
+export const inOrder = (design) => withArray(design, /** @type {string[]} */ (design.sensor?.cfa?.pattern), design.sensor?.cfa?.filters ?? {});
 
 /** @param {Design} design @param {string[]} pattern @param {Record<string, Filter>} filters @returns {Camera} */
 function withArray(design, pattern, filters) {
@@ -37,8 +37,8 @@ function withArray(design, pattern, filters) {
   return /** @type {any} */ (withValue(withValue(design, ["sensor", "cfa", "pattern"], pattern), ["sensor", "cfa", "filters"], ordered));
 }
 
-/** A camera that is opened. @param {Engine["catalogue"]} catalogue @param {Design} design @returns {Origin} */
-export const originOf = (catalogue, design) => ({ base: design, camera: inFull(catalogue, design), given: design.sensor?.cfa ?? {}, changed: [] });
+/** A camera that is opened. @param {Engine} engine @param {Design} design @returns {Promise<Origin>} */
+export const originOf = async (engine, design) => ({ base: design, camera: await inFull(engine, design), given: design.sensor?.cfa ?? {}, changed: [] });
 
 /**
  * A design with a mosaic of the catalogue. Its filters are those that `CAMERA@MOSAIC` has for the camera that was opened. Filters that were changed by hand replace

@@ -3,6 +3,7 @@
 // all mosaics of the tile from many starts.
 import { announce, byId, make } from "./dom.js";
 import { withValue } from "./design.js";
+import { inOrder } from "./exchange.js";
 import { signed } from "./numbers.js";
 import { keptEqual } from "./thickness.js";
 
@@ -15,15 +16,14 @@ import { keptEqual } from "./thickness.js";
 export const familyOf = () => /** @type {any} */ (byId("family", HTMLSelectElement).value);
 
 /**
- * Sets up the panel. `luminance` is that of the scene shown, `simulated` makes a camera one that the engine simulates, `own` makes the design of a step one of
- * the page.
+ * Sets up the panel. `luminance` is that of the scene shown, `simulated` makes a camera one that the engine simulates.
  * @param {Store} store @param {Engine} engine
  * @param {{
- *   luminance: () => number, simulated: (camera: Camera) => Camera, own: (design: import("./engine.js").Design) => Camera, fail: (error: unknown) => void,
+ *   luminance: () => number, simulated: (camera: Camera) => Camera, fail: (error: unknown) => void,
  *   native: ReturnType<typeof import("./native.js").setUpNative>,
  * }} page
  */
-export function setUpImprove(store, engine, { luminance, simulated, own, fail, native }) {
+export function setUpImprove(store, engine, { luminance, simulated, fail, native }) {
   const place = byId("improve", HTMLDivElement);
   const light = make("select", {}, make("option", { value: "here" }, "the luminance shown"), make("option", { value: "range" }, "1, 10 and 100 cd/m²"));
   const family = make("select", { id: "family" }, make("option", { value: "free" }, "any smooth curves"), make("option", { value: "pigments" }, "pigments"), make("option", { value: "dichroic" }, "dichroic bands"));
@@ -91,7 +91,7 @@ export function setUpImprove(store, engine, { luminance, simulated, own, fail, n
       const last = await engine.improve(start, locks, lights, (step) => {
         if (signal.aborted) return;
         isOwn = true;
-        const { cfa } = own(step.design).sensor;
+        const { cfa } = inOrder(step.design).sensor;
         const filters = keptEqual(cfa.filters, begun.sensor.cfa.filters);
         if (step.cost < step.own_cost) store.change(withValue(begun, ["sensor", "cfa"], { ...cfa, filters }), "the improvement", key);
         isOwn = false;
@@ -130,7 +130,7 @@ export function setUpImprove(store, engine, { luminance, simulated, own, fail, n
     const isChanged = store.camera !== begun;
     stop?.abort();
     isOwn = true;
-    store.change(own(said.design), "the search");
+    store.change(inOrder(said.design), "the search");
     isOwn = false;
     result = store.at;
     discard.hidden = false;

@@ -19,13 +19,16 @@ export const FIGURES = { cpsnr_db: "CPSNR, dB", delta_e_2000: "ΔE2000", scielab
 export const hasCurve = (over, key) => [...over.own, ...over.pin].some((e) => Number.isFinite(e[key]));
 
 /** What is said of clipping. @param {Clips} clips */
-export function clippingText({ own, most }) {
+export function clippingText({ own, pin, most }) {
   const [darkest, brightest] = [LUMINANCES[0], LUMINANCES[LUMINANCES.length - 1]];
-  const what = `the design clips more than ${most} % of the samples of this scene`;
-  const limit = own === undefined ? "." : own < darkest ? `: at every luminance shown (dotted), ${what}.`
-    : own >= brightest ? `. Up to ${brightest} cd/m², the design clips at most ${most} % of the samples of this scene.`
-      : `: beyond ${Number(own.toPrecision(3))} cd/m² (dotted), ${what}.`;
-  return `Expected figures do not include clipping${limit}`;
+  const shown = (/** @type {number} */ limit) => (limit < darkest ? "all" : limit >= brightest ? "none" : `${Number(limit.toPrecision(3))} cd/m²`);
+  const start = "Expected figures do not include clipping";
+  if (own === undefined) return `${start}.`;
+  const pinned = shown(pin) === shown(own) ? "" : `pinned: ${{ all: "at every one", none: "no clipping" }[shown(pin)] ?? `beyond ${shown(pin)}`}`;
+  const [within, beside] = [pinned && `; ${pinned}`, pinned && ` (${pinned})`];
+  if (own < darkest) return `${start}: at every luminance shown (dotted${within}), over ${most} % of the samples clip.`;
+  if (own >= brightest) return `${start}. Up to ${brightest} cd/m²${beside}, at most ${most} % of the samples of this scene clip.`;
+  return `${start}: beyond ${shown(own)} (dotted${within}), over ${most} % of the samples of this scene clip.`;
 }
 
 /**

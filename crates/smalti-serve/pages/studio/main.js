@@ -26,8 +26,6 @@ import { setUpWork } from "./work.js";
 
 /** @typedef {import("./design.js").Camera} Camera */
 /** @typedef {import("./engine.js").Design} Design */
-/** @typedef {import("./engine.js").Picture} Picture */
-/** @typedef {import("./engine.js").Scores} Scores */
 
 /** @param {number} luminance */
 const lightText = (luminance) => `${Number(luminance.toPrecision(luminance < 1 ? 2 : 3))} cd/m²`;
@@ -39,7 +37,7 @@ async function inAddress(engine) {
   const shared = await sharedIn(location.hash);
   if (!shared) return undefined;
   const checked = async (/** @type {Camera} */ camera) => engine.parse(await engine.cameraToml(camera));
-  return { shared, origin: originOf(engine.catalogue, await checked(shared.camera)), pinned: shared.pinned && inFull(engine.catalogue, await checked(shared.pinned)) };
+  return { shared, origin: await originOf(engine, await checked(shared.camera)), pinned: shared.pinned && await inFull(engine, await checked(shared.pinned)) };
 }
 
 /** @param {unknown} error */
@@ -55,7 +53,7 @@ async function opened(engine) {
   }
   const file = async (/** @type {string} */ name) => engine.parse(await (await fetched(name)).text());
   const pinned = (await offered())?.pinned;
-  return { origin: originOf(engine.catalogue, await file("start.toml")), pinned: pinned ? inFull(engine.catalogue, await file(pinned)) : undefined };
+  return { origin: await originOf(engine, await file("start.toml")), pinned: pinned ? await inFull(engine, await file(pinned)) : undefined };
 }
 
 async function start() {
@@ -66,7 +64,8 @@ async function start() {
   const engine = await Engine.start("engine/", () => tell("The simulator of this page failed, for example for lack of memory, and was started again.", "trouble"));
   const first = await opened(engine);
   const store = new Store(first.origin);
-  store.pin(first.pinned ?? store.camera);
+  const pinFirst = (/** @type {Opened} */ { origin, pinned }) => store.pin(pinned ?? origin.camera, { isChosen: pinned !== undefined });
+  pinFirst(first);
 
   const scene = byId("scene", HTMLSelectElement);
   const light = byId("luminance", HTMLInputElement);
@@ -76,7 +75,7 @@ async function start() {
     const own = engine.scenes.filter((s) => s.set === set);
     if (own.length > 0) scene.append(make("optgroup", { label }, ...own.map((s) => make("option", { value: s.id }, s.name))));
   }
-  /** Shows the scene and the luminance of an address, and says which scene is missing. @param {Partial<import("./share.js").Shared>} shared @returns {string} */
+  /** Shows the scene and the luminance of an address, and the picture as it was looked at, and says which scene is missing. @param {Partial<import("./share.js").Shared>} shared @returns {string} */
   function showConditions(shared) {
     const id = String(shared.scene ?? "");
     // A photograph has a number, which would be that of another one here.
@@ -84,6 +83,7 @@ async function start() {
     if (isKnown) scene.value = id;
     else if (!scene.value || id) scene.value = engine.scenes[0].id;
     if (shared.luminance) light.value = String(Math.log10(shared.luminance));
+    picture.lookAs(shared.look ?? {});
     if (isKnown || !id) return "";
     return id.startsWith(PHOTOGRAPH)
       ? `The scene of this address is a photograph of the sender, which is not in the address. ${sceneName()} is shown.`
@@ -91,16 +91,20 @@ async function start() {
   }
   const sceneName = () => scene.selectedOptions[0]?.textContent ?? "";
   const isOwnScene = () => engine.scenes.some((s) => s.id === scene.value && s.set === "own");
+  /** The names of the files of photographs, by scene. @type {Map<string, string>} */
+  const photographs = new Map();
   /** The scene in names of files. */
   const sceneFile = () => (isOwnScene() ? sceneName() : scene.value);
+  const work = { again: () => {} };
+  const picture = setUpPicture(() => work.again());
   const missing = showConditions(first.shared ?? {});
   if (missing) tell(missing);
 
   /** @type {import("./engine.js").Curves | undefined} */
   let curves;
-  /** @type {{ picture?: Picture, figures?: Scores }} */
+  /** @type {import("./scores.js").Known} */
   const own = {};
-  /** @type {{ picture?: Picture, figures?: Scores }} */
+  /** @type {import("./scores.js").Known} */
   const pin = {};
   /** Colours of filters as seen, also of those that are new until their curve is known. @type {Record<string, string>} */
   const colors = {};
@@ -111,8 +115,6 @@ async function start() {
   /** Whether a change waits for the next frame. */
   let isWaiting = false;
 
-  const work = { again: () => {} };
-  const picture = setUpPicture(() => work.again());
   const scores = setUpScores(engine.catalogue);
   const mosaic = setUpMosaic(store, engine, () => colors);
   const filters = setUpFilters(store, engine, () => curves);
@@ -164,7 +166,7 @@ async function start() {
       picture.showOwn(drawn, `${nameOf(camera)} · exposed for ${Number(drawn.exposure_ms.toPrecision(3))} ms · drawn in ${Math.round(drawnMs)} ms`, isSame);
       byId("display-gain", HTMLElement).textContent = String(drawn.gain);
       if (!drawn.scores) return;
-      own.picture = drawn;
+      [own.picture, own.luminance] = [drawn, drawnLuminance];
       mark("pictures", false);
       showWarnings();
       showScores();
@@ -268,7 +270,7 @@ async function start() {
     else back();
   });
   byId("pin", HTMLButtonElement).addEventListener("click", () => {
-    store.pin(store.camera, store.named);
+    store.pin(store.camera, { isChosen: true, as: store.named });
     announce(`${store.camera.name} is pinned. Scores show what changes from here do.`);
   });
 
@@ -286,7 +288,7 @@ async function start() {
   }
 
   const rival = () => (isPinned() ? undefined : store.pinnedNamed);
-  const shared = () => ({ camera: store.named, pinned: rival(), scene: isOwnScene() ? PHOTOGRAPH : scene.value, luminance: luminance() });
+  const shared = () => ({ camera: store.named, pinned: rival(), scene: isOwnScene() ? PHOTOGRAPH : scene.value, luminance: luminance(), look: picture.look() });
   byId("share", HTMLButtonElement).addEventListener("click", async () => {
     const photograph = isOwnScene() ? " The photograph is not in it." : "";
     history.replaceState(null, "", await fragmentOf(shared()));
@@ -319,14 +321,15 @@ async function start() {
 
   // ---- files that are opened ----
 
-  /** Opens a camera as a step that can be undone, and pins it or another one. @param {Design} design @param {string} what @param {Design} [other] */
-  function adopt(design, what, other) {
+  /** Opens a camera as a step that can be undone, and pins another one or, unless somebody chose what is pinned, this one. @param {Design} design @param {string} what @param {Design} [other] */
+  async function adopt(design, what, other) {
     try {
-      const origin = originOf(engine.catalogue, design);
-      const pinned = other ? inFull(engine.catalogue, other) : origin.camera;
+      const [origin, pinned] = [await originOf(engine, design), other && await inFull(engine, other)];
+      const { name } = origin.camera;
       store.change(origin.camera, what, undefined, origin);
-      store.pin(pinned);
-      tell(other ? `${origin.camera.name} is open, and ${pinned.name} is pinned for comparison.` : `${origin.camera.name} is open and pinned: later changes are compared with it.`);
+      if (pinned || !store.isPinChosen) pinFirst({ origin, pinned });
+      tell(pinned ? `${name} is open, and ${pinned.name} is pinned for comparison.`
+        : store.isPinChosen ? `${name} is open and compared with the pinned ${store.pinned?.name}.` : `${name} is open and pinned: later changes are compared with it.`);
     } catch (error) {
       tell(`${excerpt(message(error))}.`, "trouble");
     }
@@ -340,7 +343,7 @@ async function start() {
     const text = await file.text();
     if (kind === "curve") return filters.take(shortened(file.name), text);
     try {
-      adopt(await engine.parse(text), `opening ${file.name}`);
+      await adopt(await engine.parse(text), `opening ${file.name}`);
     } catch (error) {
       tell(`${shortened(file.name)} is no camera file: ${excerpt(message(error))}`, "trouble");
     }
@@ -351,6 +354,7 @@ async function start() {
       const name = shortened(file.name.replace(/\.[^.]*$/, "")) || "Photograph";
       const pixels = await readPhotograph(file);
       const { id } = await engine.addPhotograph(name, pixels);
+      photographs.set(id, file.name);
       const group = scene.querySelector('optgroup[label="Your photographs"]') ?? make("optgroup", { label: "Your photographs" });
       group.append(make("option", { value: id }, name));
       scene.append(group);
@@ -367,7 +371,7 @@ async function start() {
       const { cameras: [own, other], note, family } = await camerasOfResults(file, store.camera);
       judgeBy(family);
       const read = async (/** @type {Design} */ design) => engine.parse(await engine.cameraToml(design));
-      adopt(await read(own), `opening ${file.name}`, other && await read(other));
+      await adopt(await read(own), `opening ${file.name}`, other && await read(other));
       if (note) tell(note);
     } catch (error) {
       tell(`${shortened(file.name)}: ${excerpt(message(error))}.`, "trouble");
@@ -409,10 +413,10 @@ async function start() {
   setUpOwnFiles(native, engine, () => ({ camera: inEngine(store.named), scene: scene.value, sceneName: sceneFile(), luminance: luminance() }));
   setUpReport(engine, whenSettled, () => ({
     camera: store.named, pinned: rival(), simulated: inEngine, own: { ...own }, pin: { ...pin }, layers: picture.layers(), scores: scores.shown(), toml, shared: shared(),
-    scene: sceneName(), sceneInCommands: engine.scenes.find((s) => s.id === scene.value)?.catalogue, sceneFile: sceneFile(), luminance: luminance(), limits: limitsText("on the page of the studio"),
+    scene: sceneName(), sceneInCommands: engine.scenes.find((s) => s.id === scene.value)?.catalogue, photograph: photographs.get(scene.value), sceneFile: sceneFile(), luminance: luminance(), limits: limitsText("on the page of the studio"),
   }));
   setUpSweep(native, () => ({ camera: store.named, luminance: luminance() }));
-  setUpImprove(store, engine, { luminance, simulated: inEngine, own: (design) => inFull(engine.catalogue, design), fail: (error) => tell(`${message(error)}.`, "trouble"), native });
+  setUpImprove(store, engine, { luminance, simulated: inEngine, fail: (error) => tell(`${message(error)}.`, "trouble"), native });
   /** Judges filters as those of a family, if the page has it. @param {string | null | undefined} name */
   function judgeBy(name) {
     const family = byId("family", HTMLSelectElement);
@@ -467,7 +471,7 @@ async function start() {
       const absent = showConditions(shared ?? {});
       showLight();
       store.change(origin.camera, "opening the address", undefined, origin);
-      store.pin(pinned ?? origin.camera);
+      pinFirst(found);
       tell(absent || `${origin.camera.name} of the address is open${pinned ? `, and ${pinned.name} is pinned for comparison` : ""}.`);
     } catch (error) {
       tellAddress(error);

@@ -3,6 +3,7 @@
 import { announce, byId, make, message, tell, untell } from "./dom.js";
 import { MAX_SIDE, addFilter, images, letterAt, letters, paint, removeFilter, resize, share, size } from "./design.js";
 import { withMosaic } from "./exchange.js";
+import { counted } from "./numbers.js";
 import { UNKNOWN, inkOn } from "./tile-drawing.js";
 
 /** @typedef {import("./store.js").Store} Store */
@@ -136,7 +137,7 @@ export function setUpMosaic(store, engine, colors) {
       const [rows, cols] = [side(rowsField), side(colsField)];
       store.change(resize(store.camera, rows, cols), "the size");
       [rowsField.value, colsField.value] = [String(rows), String(cols)];
-      announce(`${rows} rows, ${cols} columns`);
+      announce(`${counted(rows, "row")}, ${counted(cols, "column")}`);
     });
   }
 
@@ -159,7 +160,7 @@ export function setUpMosaic(store, engine, colors) {
     }
     untell(refusal);
     store.change(found.camera, `the mosaic ${name}`, undefined, found.origin);
-    announce(`${name}: ${tile.length} rows, ${tile[0].length} columns, ${letters(store.camera).length} filters`);
+    announce(`${name}: ${counted(tile.length, "row")}, ${counted(tile[0].length, "column")}, ${counted(letters(store.camera).length, "filter")}`);
   }
   template.addEventListener("change", async () => {
     const chosen = plain.find(({ name }) => name === template.value);

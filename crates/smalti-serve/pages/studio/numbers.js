@@ -12,3 +12,6 @@ export function signed(value, digits) {
   const amount = text(Math.abs(value), digits);
   return `${Number(amount) === 0 ? "±" : value < 0 ? "−" : "+"}${amount}`;
 }
+
+/** A number of things, in words. @param {number} count @param {string} thing In the singular. */
+export const counted = (count, thing) => `${count} ${thing}${count === 1 ? "" : "s"}`;

@@ -5,7 +5,7 @@ import { letters, share, size } from "./design.js";
 import { drawnAxes, drawnCurves, frameOf, spectrum } from "./filter-plot.js";
 import { FIGURES, clippingText, hasCurve, lightPlot } from "./light-plot.js";
 import { text } from "./numbers.js";
-import { DOUBTS, definition } from "./scores.js";
+import { definition, doubtsText } from "./scores.js";
 import { conditions } from "./sensor.js";
 import { curveText, pigmentsText } from "./shapes.js";
 import { baseOf, thicknessOf } from "./thickness.js";
@@ -17,9 +17,9 @@ import { UNKNOWN, drawnTile } from "./tile-drawing.js";
 /** A design: as it is saved, with its curves, its picture and the time of its exposure, and its camera file. @typedef {{ camera: import("./design.js").Camera, curves: import("./engine.js").Curves, picture: Image, exposureMs: number, file: string, toml: string }} Side */
 /**
  * What a report states. `fragment` holds the design in an address, `studio` is the address of a studio that anybody can open, if there is one.
- * `scene` is its name, `sceneInCommands` that in commands; without one, it is a photograph.
+ * `scene` is its name, `sceneInCommands` that in commands; without one, it is a photograph, and `photograph` the name of its file.
  * @typedef {{
- *   own: Side, pin: Side | undefined, reference: Image, scene: string, sceneInCommands: string | undefined, luminance: number, seed: number, version: string, date: string,
+ *   own: Side, pin: Side | undefined, reference: Image, scene: string, sceneInCommands: string | undefined, photograph: string | undefined, luminance: number, seed: number, version: string, date: string,
  *   rows: import("./scores.js").Row[], isClipped: boolean, warnings: string[], over: import("./light-plot.js").OverLight, clips: import("./light-plot.js").Clips, limits: string,
  *   fragment: string, studio: string | undefined, brand: Node, style: string,
  * }} Report
@@ -51,23 +51,19 @@ function pictures({ own, pin, reference, scene }) {
   make("p", { class: "hint" }, `${own.picture.width} × ${own.picture.height} pixels, one for each pixel of the sensor.`));
 }
 
-/** The doubt of the page in words. @param {import("./scores.js").Row[]} rows */
-function doubtText(rows) {
-  const all = rows.filter(({ score }) => score.metric in DOUBTS).map(({ score }) => `${DOUBTS[score.metric]}${score.unit && ` ${score.unit}`} (${score.label})`);
-  return `The doubt states how far a change on the page of the studio can be trusted: between ten designs, 95 % of the changes agree within it with those of pipelines learned from all training scenes. It is ${all.join(", ")}. Changes within it, or below the smallest relevant difference, are called neither better nor worse.`;
-}
+/** The doubt of the page. */
+const doubt = () => `The doubt states how far a change on the page of the studio can be trusted: between ten designs, 95 % of the changes agree within it with those of pipelines learned from all training scenes. It is ${doubtsText()}. Changes within it, or below the smallest relevant difference, are called neither better nor worse.`;
 
 /** @param {Report} report */
 function scores({ own, pin, rows, isClipped, clips, warnings }) {
-  const doubt = (/** @type {string} */ metric) => (metric in DOUBTS && !isClipped ? `± ${DOUBTS[metric]}` : "–");
   const head = [["Score"], [pin ? nameOf(own) : "Value"], ...(pin ? [[nameOf(pin)], ["Change"], ["Doubt"]] : [])];
-  const all = rows.map(({ score, value, before, change }) => [
+  const all = rows.map(({ score, value, before, change, doubt }) => [
     [score.label, score.unit && make("span", { class: "hint" }, ` ${score.unit}`)], [value ?? "–"],
-    ...(pin ? [[before ?? "–"], [make("span", { class: "delta", "data-kind": change?.kind }, change?.shown ?? "–")], [doubt(score.metric)]] : []),
+    ...(pin ? [[before ?? "–"], [make("span", { class: "delta", "data-kind": change?.kind }, change?.shown ?? "–")], [doubt ? `± ${doubt}` : "–"]] : []),
   ]);
   return section("Scores",
     table(pin ? `Scores of ${nameOf(own)}, and how they differ from those of the pinned ${nameOf(pin)}` : `Scores of ${nameOf(own)}`, head, all, { kind: "scored" }),
-    pin && make("p", { class: "hint" }, doubtText(rows), isClipped && ` More than ${clips.most} % of the samples of a picture saturate, so changes of these scores are not judged.`),
+    pin && make("p", { class: "hint" }, doubt(), isClipped && ` More than ${clips.most} % of the samples of a picture saturate, so changes of these scores are not judged.`),
     make("h3", {}, "Warnings"),
     warnings.length > 0 ? make("ul", { class: "notice" }, ...warnings.map((warning) => make("li", {}, warning))) : make("p", {}, "No warnings."),
     make("h3", {}, "Definitions"), make("dl", { class: "hint" }, ...rows.flatMap(({ score }) => [make("dt", {}, score.label), make("dd", {}, definition(score))])));
@@ -131,15 +127,21 @@ function overLight({ own, pin, over, clips }) {
     table(isCompared ? `Expected figures of ${nameOf(own)}, and below them those of ${nameOf(pin)}` : `Expected figures of ${nameOf(own)}`, [["cd/m²"], ...keys.map((key) => [FIGURES[key]])], rows));
 }
 
+/** A file of the folder in a command, quoted where a shell would split it or change it. @param {string} name */
+function inShell(name) {
+  const plain = inOneLine(name);
+  return /^[\w.][\w.-]*$/.test(plain) ? plain : `'./${plain.replaceAll("'", "'\\''")}'`;
+}
+
 /** @param {Report} report */
-function method({ own, pin, sceneInCommands, luminance, seed, version }) {
+function method({ own, pin, sceneInCommands, photograph = "photograph.png", luminance, seed, version }) {
   const files = [own, ...(pin ? [pin] : [])].map(({ file }) => file).join(" ");
   const command = (/** @type {string} */ scenes) => make("pre", {}, code(`smalti compare ${files} --luminance ${luminance} --exposure own${scenes}`));
   return section("How the figures were made",
     make("p", {}, `The page of the studio of Smalti ${version} simulated the camera in the browser, with the library of the command. It learned the pipeline of each design at eleven exposures, from the dark to saturation, from one training scene of 160 × 160 pixels and from uniform surfaces, captured the scene once (noise seed ${seed}), and scored the whole picture against the reference. Resolution and noise are measured on targets, as by `, code("smalti compare"), "."),
-    sceneInCommands === undefined && make("p", {}, "The scene is a photograph. Its spectra are estimated from its colours: smooth reflectances in daylight (Jakob and Hanika 2019). The commands below call its file photograph.png."),
+    sceneInCommands === undefined && make("p", {}, "The scene is a photograph. Its spectra are estimated from its colours: smooth reflectances in daylight (Jakob and Hanika 2019). The first command reads its file."),
     make("p", {}, `For full figures, save the camera ${pin ? "files" : "file"} below and run the command. It learns from all training scenes and captures at the size of the sensor, with three noise realisations. ${pin ? "It states the differences between the two cameras with their confidence intervals." : "With a second camera in the command, it also states the differences between the two with their confidence intervals."} On the scene of this report, the intervals cover the noise:`),
-    command(` --scene ${sceneInCommands ?? "photograph.png"}`),
+    command(` --scene ${sceneInCommands ?? inShell(photograph)}`),
     make("p", {}, "On all natural scenes, they cover the scenes too:"), command(""));
 }
 

@@ -18,7 +18,7 @@ import { fragmentOf } from "./share.js";
  * @typedef {{
  *   camera: Camera, pinned: Camera | undefined, simulated: (camera: Camera) => Camera, own: Known, pin: Known, layers: { own?: HTMLCanvasElement, pin?: HTMLCanvasElement, reference?: HTMLCanvasElement },
  *   scores: { rows: import("./scores.js").Row[], warnings: string[], over: import("./light-plot.js").OverLight, clips: import("./light-plot.js").Clips },
- *   scene: string, sceneInCommands: string | undefined, sceneFile: string, luminance: number, limits: string, shared: import("./share.js").Shared, toml: (camera: Camera) => Promise<string>,
+ *   scene: string, sceneInCommands: string | undefined, photograph: string | undefined, sceneFile: string, luminance: number, limits: string, shared: import("./share.js").Shared, toml: (camera: Camera) => Promise<string>,
  * }} Shown
  */
 
@@ -56,7 +56,7 @@ export function setUpReport(engine, settled, shown) {
     const page = reportPage({
       own: await side(now.camera, image, own.picture.exposure_ms, names[0]),
       pin: rival && await side(rival.camera, rival.image, rival.exposureMs, names[1]),
-      reference, ...scores, isClipped: isClipped([own, rival && pin], engine.catalogue.saturated_percent), scene: inOneLine(now.scene), sceneInCommands: now.sceneInCommands, luminance: now.luminance, seed: SEED, limits: now.limits,
+      reference, ...scores, isClipped: isClipped([own, rival && pin], engine.catalogue.saturated_percent), scene: inOneLine(now.scene), sceneInCommands: now.sceneInCommands, photograph: now.photograph, luminance: now.luminance, seed: SEED, limits: now.limits,
       version: offer?.version ?? "of an unknown version", date: new Date().toLocaleDateString("en-GB", { day: "numeric", month: "long", year: "numeric" }),
       // The address of a server of the command has its token, and answers to one machine.
       fragment: await fragmentOf(now.shared), studio: offer?.native ? undefined : location.href.split("#")[0],

@@ -7,14 +7,14 @@ import { signed, text } from "./numbers.js";
 
 /** @typedef {import("./engine.js").Picture} Picture */
 /** @typedef {import("./engine.js").Scores} Scores */
-/** What is known of a design. @typedef {{ picture?: Picture, figures?: Scores }} Known */
+/** What is known of a design: its picture, at a luminance in cd/m², and its figures. @typedef {{ picture?: Picture, luminance?: number, figures?: Scores }} Known */
 
 /**
  * A score: where it is, how it is written, which direction is better, its name in the catalogue of metrics, and whether it is one of the picture or of the figures of the array.
  * @typedef {{ label: string, metric: string, unit: string, title: string, better: 1 | -1, digits: number, of: import("./work.js").Loop, get: (known: Known) => number | null | undefined }} Score
  */
-/** How a score differs from that of the pinned design: as it is shown and said, and the doubt of the page if the change is within it. @typedef {{ shown: string, said: string, kind: "same" | "better" | "worse", doubt?: number }} Change */
-/** A score as it is shown: in numbers, with that of the pinned design, what changed, and the length of its bar. @typedef {{ score: Score, value: string | undefined, before: string | undefined, change: Change | undefined, length: number }} Row */
+/** How a score differs from that of the pinned design: as it is shown and said, and the doubt of the page, as text, if the change is within it. @typedef {{ shown: string, said: string, kind: "same" | "better" | "worse", doubt?: string }} Change */
+/** A score as it is shown: in numbers, with that of the pinned design, what changed, the doubt of that as text if there is one, and the length of its bar. @typedef {{ score: Score, value: string | undefined, before: string | undefined, change: Change | undefined, doubt: string | undefined, length: number }} Row */
 /** @type {Score[]} */
 const SCORES = [
   { label: "CPSNR", metric: "cpsnr_db", unit: "dB", title: "Peak signal-to-noise ratio of the picture against the reference", better: 1, digits: 2, of: "pictures", get: (k) => k.picture?.scores?.cpsnr_db },
@@ -37,13 +37,17 @@ const SCORES = [
   { label: "Condition number", metric: "condition_number", unit: "", title: "Largest singular value of the channels divided by the smallest; noise is amplified where it is large", better: -1, digits: 2, of: "figures", get: (k) => k.figures?.array.condition_number },
 ];
 /**
- * The doubt of each score: 95 % of 405 changes on this page differ by no more from those of pipelines learned from all training scenes. The changes are those between ten designs on three
- * scenes at 1, 10 and 80 cd/m² (docs/how-to/studio.md). Smaller changes count as neither better nor worse. Where a picture clips, none is judged: the 95th percentile of ΔE2000 then differs by
- * up to four times as much.
- * @type {Record<string, number>}
+ * The doubt of each score: 95 % of the changes on this page differ by no more from those of pipelines learned from all training scenes. The changes are those between ten designs at 1, 10 and
+ * 80 cd/m², of scores of the picture on three scenes (docs/how-to/studio.md). It is absolute, in dim light where that is larger, or relative to the larger of two values. Smaller changes count
+ * as neither better nor worse. Where a picture clips, none is judged: the 95th percentile of ΔE2000 then differs by up to four times as much.
+ * @type {Record<string, { absolute: number, dim?: number } | { relative: number }>}
  */
-export const DOUBTS = { cpsnr_db: 0.9, pixel_delta_e_2000_mean: 0.6, pixel_delta_e_2000_p95: 1.3, scielab_mean: 1.8 };
-
+const DOUBTS = {
+  cpsnr_db: { absolute: 0.9 }, pixel_delta_e_2000_mean: { absolute: 0.6 }, pixel_delta_e_2000_p95: { absolute: 1.3 }, scielab_mean: { absolute: 1.8 },
+  mtf50_low_contrast_cy_per_px: { absolute: 0.03, dim: 0.1 }, luminance_noise_percent: { relative: 0.4 },
+};
+/** The luminance below which light is dim, cd/m². */
+const DIM = 10;
 /** What stands before everything that is of the state before a change that could not be computed. */
 export const OUT_OF_DATE = "Out of date: ";
 /** Bars end at this many of the smallest relevant differences. */
@@ -51,6 +55,26 @@ const BAR_END = 10;
 
 /** @param {number | undefined} value @param {number} by */
 const scaled = (value, by) => (value === undefined ? undefined : value * by);
+
+/** The doubt of a change of a score, in its unit; 0 if none is known. @param {Score} score @param {number} from @param {number} to @param {number} luminance cd/m² */
+function doubtOf({ metric }, from, to, luminance) {
+  const doubt = DOUBTS[metric];
+  if (!doubt) return 0;
+  return "relative" in doubt ? doubt.relative * Math.max(from, to) : luminance < DIM ? doubt.dim ?? doubt.absolute : doubt.absolute;
+}
+
+/** A doubt as it is shown, with the digits that it has or those of its score. @param {Score} score @param {number} doubt */
+const doubtShown = ({ metric, digits }, doubt) => ("relative" in DOUBTS[metric] ? text(doubt, digits) : String(doubt));
+
+/** The doubts in words. */
+export function doubtsText() {
+  const all = SCORES.filter(({ metric }) => metric in DOUBTS).map(({ label, unit, metric }) => {
+    const doubt = DOUBTS[metric];
+    if ("relative" in doubt) return `${doubt.relative * 100} % of the larger value (${label})`;
+    return `${doubt.absolute}${unit && ` ${unit}`} (${label}${doubt.dim ? `; ${doubt.dim} below ${DIM} cd/m²` : ""})`;
+  });
+  return `${all.slice(0, -1).join(", ")} and ${all.slice(-1)}`;
+}
 
 /**
  * Words for a change of a score, of which the bar is that of `bar`. A change below the smallest relevant one, or within the doubt of the page, is neither better nor worse.
@@ -64,7 +88,7 @@ function change(score, from, to, length, doubt) {
   const directed = `${amount} ${by > 0 ? "more" : "less"} than pinned`;
   if (Math.abs(length) * BAR_END < 1) return { shown, said: `${directed}, which is not relevant`, kind: "same" };
   if (doubt === Infinity) return { shown: `${shown}, clipped`, said: `${directed}, not judged where the picture clips`, kind: "same" };
-  if (Math.abs(by) < doubt) return { shown, said: `${directed}, within the doubt of this page, ${doubt}`, kind: "same", doubt };
+  if (Math.abs(by) < doubt) return { shown, said: `${directed}, within the doubt of this page, ${doubtShown(score, doubt)}`, kind: "same", doubt: doubtShown(score, doubt) };
   const kind = length > 0 ? "better" : "worse";
   return { shown: `${shown} ${kind}`, said: `${amount} ${kind} than pinned`, kind };
 }
@@ -92,9 +116,9 @@ function rowsOf(own, pin, { relevances, saturated_percent: most }) {
     const [now, before] = [own, pin].map((known) => known && score.get(known)).map((v) => (typeof v === "number" && Number.isFinite(v) ? v : undefined));
     const isCompared = now !== undefined && before !== undefined;
     const length = isCompared ? bar(score, before, now, relevances[score.metric]) : 0;
-    const doubt = DOUBTS[score.metric] ?? 0;
+    const doubt = isCompared ? doubtOf(score, before, now, own.luminance ?? DIM) : 0;
     return {
-      score, length, value: now === undefined ? undefined : text(now, score.digits), before: before === undefined ? undefined : text(before, score.digits),
+      score, length, doubt: doubt > 0 && !clips ? doubtShown(score, doubt) : undefined, value: now === undefined ? undefined : text(now, score.digits), before: before === undefined ? undefined : text(before, score.digits),
       change: isCompared ? change(score, before, now, length, clips && doubt > 0 ? Infinity : doubt) : undefined,
     };
   });

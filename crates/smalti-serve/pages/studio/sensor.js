@@ -58,7 +58,7 @@ const curveName = (filter) => (filter === undefined || filter === null ? "none" 
 
 /**
  * Sets up the fields. `adopt` opens a camera of the catalogue.
- * @param {Store} store @param {Engine} engine @param {(design: import("./engine.js").Design, what: string) => void} adopt
+ * @param {Store} store @param {Engine} engine @param {(design: import("./engine.js").Design, what: string) => Promise<void>} adopt
  * @returns {() => void}
  */
 export function setUpSensor(store, engine, adopt) {
@@ -71,10 +71,10 @@ export function setUpSensor(store, engine, adopt) {
   // The fields take the places that were kept for them.
   place.replaceChildren();
   preset.append(make("optgroup", { label: "The whole camera, with mosaic, filters and name" }, ...cameras.map((c, i) => make("option", { value: i }, c.name ?? ""))));
-  preset.addEventListener("change", () => {
+  preset.addEventListener("change", async () => {
     const camera = cameras[Number(preset.value)];
+    if (camera) await adopt(camera, `the preset ${camera.name}`);
     preset.value = "";
-    if (camera) adopt(camera, `the preset ${camera.name}`);
   });
 
   const cut = make("select", { id: "ir-cut", change: () => store.change(withValue(store.camera, ["optics", "ir_cut"], cut.value === "none" ? undefined : { builtin: cut.value }), "the infrared cut") });

@@ -2,7 +2,7 @@
 // The whole design in the fragment of the address, which browsers send to no server: JSON, deflated, in base 64 for addresses.
 
 /** @typedef {import("./design.js").Camera} Camera */
-/** What an address holds: the design, and what is compared with it. @typedef {{ camera: Camera, pinned?: Camera, scene?: string, luminance?: number }} Shared */
+/** What an address holds: the design, what is compared with it, and how the picture is looked at. @typedef {{ camera: Camera, pinned?: Camera, scene?: string, luminance?: number, look?: import("./picture.js").Look }} Shared */
 
 /** The scene of an address whose picture is a photograph of the sender, which is not in the address. */
 export const PHOTOGRAPH = "photograph";

@@ -21,6 +21,8 @@ export class Store extends EventTarget {
     this.pinned = undefined;
     /** The pinned design under the name with which it is saved. @type {Camera | undefined} */
     this.pinnedNamed = undefined;
+    /** Whether the pinned design was chosen as such: it stays when another camera is opened. */
+    this.isPinChosen = false;
     /** @type {Set<string>} Letters of filters. */
     this.lockedFilters = new Set();
     /** @type {Set<string>} Cells as `row,col`. */
@@ -77,9 +79,9 @@ export class Store extends EventTarget {
     this.jumps = false;
   }
 
-  /** @param {Camera} camera @param {Camera} [as] The same under the name with which it is saved. */
-  pin(camera, as = camera) {
-    [this.pinned, this.pinnedNamed] = [camera, as];
+  /** @param {Camera} camera @param {{ isChosen: boolean, as?: Camera }} how Whether somebody chose it; `as` is the same under the name with which it is saved. */
+  pin(camera, { isChosen, as = camera }) {
+    [this.pinned, this.pinnedNamed, this.isPinChosen] = [camera, as, isChosen];
     this.tell("pin");
   }
 

@@ -1,9 +1,9 @@
 //! Figures and curves of a design, without a picture.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use serde::Serialize;
-use smalti::camera::{ArrayFigures, Camera, CameraError, ColorimetricObserver};
+use smalti::camera::{ArrayFigures, Camera, CameraDescription, CameraError, ColorimetricObserver};
 use smalti::color::{ColorSpace, Image};
 use smalti::design::light::LightStatistics;
 use smalti::design::live::live_conditions;
@@ -128,7 +128,7 @@ pub(super) struct Channel {
     transmittance: Vec<f64>,
     quantum_efficiency: Vec<f64>,
     color: String,
-    /// The pigments that make the filter, `None` if none do.
+    /// The pigments that make a filter in samples, `None` if none do.
     pigments: Option<Vec<Layer>>,
 }
 
@@ -150,7 +150,18 @@ pub(super) struct Curves {
     mosaic: Vec<Vec<String>>,
 }
 
-pub(super) fn curves(camera: &Camera, illuminant: &Illuminant) -> Result<Curves, CameraError> {
+/// The letters of the filters that a description states in samples.
+pub(super) fn sampled(description: &CameraDescription) -> BTreeSet<String> {
+    let filters = &description.sensor.cfa.filters;
+    filters.iter().filter(|(_, f)| matches!(f, Filter::Samples { .. })).map(|(l, _)| l.clone()).collect()
+}
+
+/// The curves of a camera, of which the filters `sampled` are in samples.
+pub(super) fn curves(
+    camera: &Camera,
+    sampled: &BTreeSet<String>,
+    illuminant: &Illuminant,
+) -> Result<Curves, CameraError> {
     let (grid, cfa) = (camera.grid(), &camera.sensor.cfa);
     let pigments = PigmentsOn::new(grid);
     let light = illuminant.photons(grid)?;
@@ -161,7 +172,10 @@ pub(super) fn curves(camera: &Camera, illuminant: &Illuminant) -> Result<Curves,
             transmittance: channel.transmittance.values().to_vec(),
             quantum_efficiency: response.times(&lens)?.values().to_vec(),
             color: color(&channel.transmittance, &light)?,
-            pigments: pigments.of(&channel.transmittance),
+            pigments: match sampled.contains(&channel.name) {
+                true => pigments.of(&channel.transmittance),
+                false => None,
+            },
         })
     };
     let responses = camera.sensor.spectral_responsivity_on(grid)?;

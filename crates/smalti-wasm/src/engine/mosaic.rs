@@ -72,6 +72,12 @@ pub(super) fn exchanged(request: &MosaicRequest) -> Result<Exchanged, EngineErro
     Ok(Exchanged::Array(Box::new(ExchangedArray { given: new, in_full, array, changed, is_own })))
 }
 
+/// An array with its tile in letters and with all of its filters.
+pub(super) fn in_full(array: &Value) -> Result<CfaDescription, EngineError> {
+    let array: CfaDescription = read("array", array)?;
+    Ok(array.in_full()?)
+}
+
 /// A part of the request, with its key in errors.
 fn read<T: DeserializeOwned>(key: &str, value: &Value) -> Result<T, EngineError> {
     T::deserialize(value).map_err(|e| serde_json::Error::custom(format!("{key}: {e}")).into())

@@ -42,6 +42,11 @@ pub(super) enum Request {
     Step {},
     /// A design with another mosaic of the catalogue.
     Mosaic(MosaicRequest),
+    /// An array with its tile in letters and with all of its filters.
+    InFull {
+        /// `sensor.cfa` of a camera description.
+        array: Value,
+    },
     /// The light behind the lens of a design, as the file that is loaded for it.
     Light(LightRequest),
     /// Forgets the light of a lens.

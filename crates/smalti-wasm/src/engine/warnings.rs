@@ -21,6 +21,10 @@ const NOISY: f64 = 4.0;
 const APART: f64 = 0.05;
 /// The transmittance by which the peak of a filter may lie above that of the family.
 const HIGHER: f64 = 0.01;
+/// The key of the filters.
+const FILTERS: &str = "sensor.cfa.filters";
+/// The key of the infrared cut.
+const IR_CUT: &str = "optics.ir_cut";
 /// Independent channels that colour needs.
 const COLORS: usize = 3;
 /// Share of the samples that may saturate, percent: beyond it, a design clips noticeably.
@@ -31,8 +35,46 @@ pub(super) const SATURATED_PERCENT: f64 = 1.0;
 pub(super) struct Warning {
     key: String,
     message: String,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    filter: Option<String>,
+    /// The letters of the filters that it is about, the worst first.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    filters: Vec<String>,
+}
+
+impl Warning {
+    fn new(key: &str, message: String) -> Self {
+        Self { key: key.into(), message, filters: Vec::new() }
+    }
+}
+
+/// A filter that deserves a warning: its letter, how bad it is, and its figures in words.
+struct Bad {
+    letter: String,
+    badness: f64,
+    figures: String,
+}
+
+/// One warning about all filters with a fault, the worst first: `one` says it of one filter by letter and figures, `several` of a number of them with a list of these.
+fn of_filters(
+    key: &str,
+    mut all: Vec<Bad>,
+    one: impl Fn(&str, &str) -> String,
+    several: impl Fn(usize, &str) -> String,
+) -> Option<Warning> {
+    all.sort_by(|a, b| b.badness.total_cmp(&a.badness));
+    let message = match all.as_slice() {
+        [] => return None,
+        [only] => one(&only.letter, &only.figures),
+        _ => {
+            let list: Vec<String> =
+                all.iter().map(|Bad { letter, figures, .. }| format!("{letter} ({figures})")).collect();
+            several(all.len(), &list.join(", "))
+        }
+    };
+    let key = match all.as_slice() {
+        [only] if key == FILTERS => format!("{FILTERS}.{}", only.letter),
+        _ => key.to_owned(),
+    };
+    Some(Warning { key, message, filters: all.into_iter().map(|bad| bad.letter).collect() })
 }
 
 /// Warnings about a camera.
@@ -40,72 +82,79 @@ pub(super) fn of_camera(camera: &Camera) -> Result<Vec<Warning>, CameraError> {
     let grid = camera.grid();
     let lens = camera.optics.transmittance_on(grid)?;
     let light = Illuminant::D65.photons(grid)?;
-    let (mut found, mut unknown) = (Vec::new(), Vec::new());
+    let (mut found, mut seen, mut unknown) = (Vec::new(), Vec::new(), Vec::new());
     let mut whites = Vec::new();
     let beyond = Beyond::new(camera)?;
+    let end_nm = grid.end_nm();
     let channels = camera.sensor.cfa.channels();
     for (channel, response) in channels.iter().zip(camera.sensor.spectral_responsivity_on(grid)?) {
         let behind = response.times(&lens)?;
         match beyond.response(&channel.name, &behind) {
             Infrared::Blocked => {}
-            Infrared::Seen { nm, percent } => found.push(Warning {
-                key: "optics.ir_cut".into(),
-                message: format!(
-                    "the channel {} responds at {nm} nm with {percent:.0} % of its maximum; light beyond {} nm, which is not simulated, would reach it",
-                    channel.name,
-                    grid.end_nm()
-                ),
-                filter: Some(channel.name.clone()),
+            Infrared::Seen { nm, percent } => seen.push(Bad {
+                letter: channel.name.clone(),
+                badness: percent,
+                figures: format!("{percent:.0} % of its maximum at {nm} nm"),
             }),
             Infrared::Unknown => unknown.push(channel.name.as_str()),
         }
         whites.push(behind.times(&light)?.integral());
     }
+    found.extend(of_filters(
+        IR_CUT,
+        seen,
+        |letter, figures| {
+            format!(
+                "the channel {letter} responds with {figures}; light beyond {end_nm} nm, which is not simulated, would reach it"
+            )
+        },
+        |count, list| {
+            format!("light beyond {end_nm} nm, which is not simulated, would reach {count} channels. They respond with: {list}")
+        },
+    ));
     if !unknown.is_empty() {
-        found.push(Warning {
-            key: "optics.ir_cut".into(),
-            message: format!(
-                "whether light beyond {} nm reaches the filters {} cannot be judged: some of their curves are not stated there, and nothing else blocks \
-                 it. Use an infrared-cut filter",
-                grid.end_nm(),
-                unknown.join(", ")
-            ),
-            filter: None,
-        });
+        let message = format!(
+            "whether light beyond {end_nm} nm reaches the filters {} cannot be judged: some of their curves are not stated there, and nothing else blocks \
+             it. Use an infrared-cut filter",
+            unknown.join(", ")
+        );
+        found.push(Warning::new(IR_CUT, message));
     }
     let brightest = whites.iter().copied().fold(0.0, f64::max);
-    for (channel, white) in channels.iter().zip(&whites) {
-        if *white < DARK * brightest {
-            found.push(Warning {
-                key: format!("sensor.cfa.filters.{}", channel.name),
-                message: format!(
-                    "the channel {} has {:.1} % of the response of the brightest channel to white",
-                    channel.name,
-                    100.0 * white / brightest
-                ),
-                filter: Some(channel.name.clone()),
-            });
-        }
-    }
+    let dark = channels.iter().zip(&whites).filter(|(_, white)| **white < DARK * brightest);
+    found.extend(of_filters(
+        FILTERS,
+        dark.map(|(channel, white)| Bad {
+            letter: channel.name.clone(),
+            badness: -white,
+            figures: format!("{:.1} %", 100.0 * white / brightest),
+        })
+        .collect(),
+        |letter, figures| {
+            format!("the channel {letter} has {figures} of the response of the brightest channel to white")
+        },
+        |count, list| {
+            format!("{count} channels have little of the response of the brightest channel to white: {list}")
+        },
+    ));
     let independent = camera.independent_channels(&light)?;
     if independent < COLORS {
-        found.push(Warning {
-            key: "sensor.cfa.filters".into(),
-            message: match independent {
-                2 => "the array confuses colours: only two of its channels respond to light independently, and colour needs three. Give a filter another curve, or add a filter",
-                _ => "the array sees no colour: its channels all respond to light in the same way, and colour needs three that differ",
+        let message = match independent {
+            2 => {
+                "the array confuses colours: only two of its channels respond to light independently, and colour needs three. Give a filter another curve, or add a filter"
             }
-            .into(),
-            filter: None,
-        });
+            _ => {
+                "the array sees no colour: its channels all respond to light in the same way, and colour needs three that differ"
+            }
+        };
+        found.push(Warning::new(FILTERS, message.into()));
     }
     let noise_gain = camera.isp(&light, WhiteBalance::None)?.color_matrix.luminance_noise_gain();
     if noise_gain > NOISY {
-        found.push(Warning {
-            key: "sensor.cfa.filters".into(),
-            message: format!("the filters are ill-conditioned: the colour matrix multiplies the noise of Y by {noise_gain:.1}"),
-            filter: None,
-        });
+        let message = format!(
+            "the filters are ill-conditioned: the colour matrix multiplies the noise of Y by {noise_gain:.1}"
+        );
+        found.push(Warning::new(FILTERS, message));
     }
     Ok(found)
 }
@@ -137,7 +186,7 @@ impl Makeable {
         family: LiveFamily,
     ) -> Result<Vec<Warning>, EngineError> {
         let mut sampled: Option<Vec<SampledSpace>> = None;
-        let mut found = Vec::new();
+        let (mut apart, mut high, mut reached) = (Vec::new(), Vec::new(), 0.0);
         for channel in camera.sensor.cfa.channels() {
             let curve = &channel.transmittance;
             let known = self.kept.iter().find(|(f, c, _)| *f == family && c == curve).map(|(_, _, d)| *d);
@@ -164,48 +213,62 @@ impl Makeable {
                     new
                 }
             };
-            let [made, filters] = words(family);
-            let mut warn = |message: String| {
-                let (key, filter) = (format!("sensor.cfa.filters.{}", channel.name), channel.name.clone());
-                found.push(Warning { key, message, filter: Some(filter) });
+            let bad = |badness: f64| Bad {
+                letter: channel.name.clone(),
+                badness,
+                figures: format!("{:.0} %", 100.0 * badness),
             };
             if distance > APART {
-                warn(format!(
-                    "the filter {} cannot be made {made}: the nearest such filter differs by up to {:.0} % transmittance",
-                    channel.name,
-                    100.0 * distance
-                ));
+                apart.push(bad(distance));
             }
             if curve.max() > most + HIGHER {
-                warn(format!(
-                    "the peak of the filter {} is {:.0} % transmittance; {filters} reach {:.0} %",
-                    channel.name,
-                    100.0 * curve.max(),
-                    100.0 * most
-                ));
+                high.push(bad(curve.max()));
+                reached = 100.0 * most;
             }
         }
-        Ok(found)
+        let [made, filters] = words(family);
+        let apart = of_filters(
+            FILTERS,
+            apart,
+            |letter, figures| {
+                format!(
+                    "the filter {letter} cannot be made {made}: the nearest such filter differs by up to {figures} transmittance"
+                )
+            },
+            |count, list| {
+                format!(
+                    "{count} filters cannot be made {made}. The largest differences of transmittance from the nearest such filters: {list}"
+                )
+            },
+        );
+        let high = of_filters(
+            FILTERS,
+            high,
+            |letter, figures| {
+                format!(
+                    "the peak of the filter {letter} is {figures} transmittance; {filters} reach {reached:.0} %"
+                )
+            },
+            |count, list| {
+                format!(
+                    "the peaks of {count} filters are higher than the {reached:.0} % transmittance that {filters} reach: {list}"
+                )
+            },
+        );
+        Ok(apart.into_iter().chain(high).collect())
     }
 }
 
 /// Warnings about figures that cannot be measured.
 pub(super) fn of_targets(targets: &LiveTargetScores) -> Vec<Warning> {
-    let warning = |reason: &String| Warning {
-        key: "optics".into(),
-        message: format!("MTF50 cannot be measured: {reason}"),
-        filter: None,
-    };
+    let warning = |reason: &String| Warning::new("optics", format!("MTF50 cannot be measured: {reason}"));
     targets.no_mtf50.iter().map(warning).collect()
 }
 
 /// Warnings about a capture.
 pub(super) fn of_capture(saturated_percent: f64) -> Option<Warning> {
-    (saturated_percent > SATURATED_PERCENT).then(|| Warning {
-        key: "exposure.time_ms".into(),
-        message: format!(
-            "{saturated_percent:.1} % of the samples saturate: the picture and its scores show clipping, in highlights or in darker, saturated colours"
-        ),
-        filter: None,
-    })
+    let message = format!(
+        "{saturated_percent:.1} % of the samples saturate: the picture and its scores show clipping, in highlights or in darker, saturated colours"
+    );
+    (saturated_percent > SATURATED_PERCENT).then(|| Warning::new("exposure.time_ms", message))
 }
