@@ -4,7 +4,7 @@ import { writeFile } from "node:fs/promises";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { pathToFileURL } from "node:url";
-import { crc32, deflateSync } from "node:zlib";
+import { crc32, deflateRawSync, deflateSync } from "node:zlib";
 import { cells, openPreset, pixels, saved, score, settled, site, startFrom, studio, toml } from "./studio.mjs";
 
 let own;
@@ -102,6 +102,26 @@ test("an address that is pasted into the open page opens its design, which can b
   assert.deepEqual(await cells(other.page), ["RG", "GB"]);
   await other.page.evaluate(() => { location.hash = "#1.broken"; });
   await other.page.locator("#message[data-kind=trouble]", { hasText: "The design in the address cannot be opened" }).waitFor();
+  // What an address holds beside its design is checked too, with the page as without it.
+  for (const [changed, expected] of [
+    [{ pinned: "" }, "pinned of the address is no design"], [{ scene: { toString: 1 } }, "scene of the address is no text"], [{ luminance: { valueOf: 1 } }, "luminance of the address is no number from 0.1 to 1000 cd/m²"],
+    [{ luminance: -3 }, "luminance of the address is no number"], [{ look: { view: "map" } }, "look of the address has no view of one, split, other, map against reference or pin"],
+  ]) {
+    const hash = `#1.${deflateRawSync(JSON.stringify({ camera: {}, ...changed })).toString("base64url")}`;
+    await other.page.evaluate((to) => { location.hash = to; }, hash);
+    await other.page.locator("#message[data-kind=trouble]", { hasText: expected }).waitFor();
+  }
+  const hostile = `#1.${deflateRawSync(JSON.stringify({ camera: {}, luminance: {} })).toString("base64url")}`;
+  const fourth = await open({}, `${own.server.address}${hostile}`);
+  await fourth.page.locator("#message[data-kind=trouble]", { hasText: "luminance of the address is no number" }).waitFor();
+  assert.deepEqual(await cells(fourth.page), ["RG", "GB"]);
+  await fourth.close();
+  // A design that was pinned stays pinned when an address without one is opened, and when a preset is.
+  await openPreset(other.page, "bayer");
+  assert.equal(await other.page.locator("#note").textContent(), "bayer is open and compared with the pinned bayer.");
+  await other.page.getByRole("button", { name: "Pin", exact: true }).click();
+  await openPreset(other.page, "phone");
+  assert.equal(await other.page.locator("#note").textContent(), "phone is open and compared with the pinned bayer.");
   assert.deepEqual(other.faults, []);
   await other.close();
 });
@@ -111,6 +131,8 @@ test("a camera stays as stated when the page does not simulate all of it, and th
   const note = page.locator("#limits");
   assert.ok(await note.isHidden());
   const stage = await page.locator("main").boundingBox();
+  await openPreset(page, "phone");
+  assert.equal(await page.locator("#note").textContent(), "phone is open and pinned: later changes are compared with it.");
   for (const [camera, ...left] of [
     ["phone", "crosstalk", "exposure by a percentile of the illuminance"], ["phone-quad-binned", "binning"], ["rgbx", "its wavelengths of 400 to 830 nm"],
   ]) {

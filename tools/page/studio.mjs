@@ -9,10 +9,11 @@ import { launch } from "./browser.mjs";
 
 export const smalti = resolve(process.env.SMALTI ?? join(import.meta.dirname, "../../target/debug/smalti"));
 
-// Starts a browser and the server of `smalti studio bayer`, whose light is complete: the folder `site` is exported first, and leaves it in the cache.
+// Starts a browser and the server of `smalti studio bayer`, whose light is complete: the folder `site` is exported first, and leaves it in the cache,
+// which all tests share when SMALTI_STUDIO_CACHE names it.
 export async function studio() {
   const dir = await mkdtemp(join(tmpdir(), "smalti-studio-"));
-  const env = { ...process.env, SMALTI_CACHE_DIR: join(dir, "cache") };
+  const env = { ...process.env, SMALTI_CACHE_DIR: process.env.SMALTI_STUDIO_CACHE ?? join(dir, "cache") };
   const run = (...args) => execFileSync(smalti, args, { cwd: dir, encoding: "utf8", stdio: ["ignore", "pipe", "inherit"], env });
   const serve = async (...args) => {
     const child = spawn(smalti, ["studio", "bayer", "--json", "--quiet", ...args], { cwd: dir, stdio: ["ignore", "pipe", "inherit"], env });

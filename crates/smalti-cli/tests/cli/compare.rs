@@ -464,8 +464,16 @@ fn what_cannot_be_compared_is_refused_before_work() {
         ("compare bayer --scene no.exr --luminance 80", 1, &["cannot read no.exr"]),
         // Before any scene is read.
         ("compare rgbw --processing malvar2004 --scene no.exr", 1, &["nothing is left to compare"]),
-        ("compare bayer --set sensor.architecture=prism", 1, &["bayer", "prism", "mosaics"]),
-        ("compare bayer --set sensor.architecture=field-sequential", 1, &["field-sequential", "mosaics"]),
+        (
+            "compare bayer --scene macbeth?patch=8 --set sensor.architecture=prism",
+            1,
+            &["bayer", "prism", "mosaics"],
+        ),
+        (
+            "compare bayer --scene macbeth?patch=8 --set sensor.architecture=field-sequential",
+            1,
+            &["field-sequential", "mosaics"],
+        ),
     ] {
         let quick = if words.contains("--luminance") || code == 2 { "" } else { " --luminance 80" };
         let quiet = if words.contains("malvar2004") { " -q" } else { "" };

@@ -1,8 +1,10 @@
 //! The studio as a folder, and with which design it opens. The page itself is tested in `tools/page/studio.test.mjs`.
 
+use std::sync::OnceLock;
+
 use serde_json::Value;
 
-use crate::Place;
+use crate::{Place, Run};
 
 /// The most bytes of an exported page.
 const MOST_BYTES: u64 = 6_000_000;
@@ -12,11 +14,26 @@ fn bytes_in(folder: &std::path::Path) -> u64 {
     entries.map(|e| if e.path().is_dir() { bytes_in(&e.path()) } else { e.metadata().unwrap().len() }).sum()
 }
 
+/// Exports a page, with one cache for all tests here: what the page knows of the light behind the lens of the slides takes seconds to gather.
+fn export(place: &Place, words: &str) -> Run {
+    static CACHE: OnceLock<tempfile::TempDir> = OnceLock::new();
+    let exported = |cache: &std::path::Path, place: &Place, words: &str| {
+        let mut command = place.command();
+        Run::of(command.env("SMALTI_CACHE_DIR", cache).arg("studio").args(words.split_whitespace()))
+    };
+    let cache = CACHE.get_or_init(|| {
+        let cache = tempfile::tempdir().unwrap();
+        assert_eq!(exported(cache.path(), &Place::new(), "bayer --export page").code, 0);
+        cache
+    });
+    exported(cache.path(), place, words)
+}
+
 #[test]
 fn an_exported_page_needs_nothing_but_its_folder() {
     let place = Place::new();
-    let out = place.ok("studio rgbw --export deep/site -q");
-    assert_eq!(out, "deep/site/index.html\n");
+    let run = export(&place, "rgbw --export deep/site -q");
+    assert_eq!((run.code, run.out.as_str(), run.err.as_str()), (0, "deep/site/index.html\n", ""));
     assert!(bytes_in(&place.path("deep/site")) <= MOST_BYTES);
     // Nothing temporary stays beside it.
     assert_eq!(place.names("deep"), ["site"]);
@@ -44,7 +61,7 @@ fn the_largest_page_is_small_and_needs_a_web_server() {
     let place = Place::new();
     // The largest page of a built-in camera, and that of one with crosstalk, whose statistics have a larger patch elsewhere. No browser runs them from a file.
     for camera in ["cmv12000", "phone"] {
-        let run = place.run(&["studio", camera, "--export", camera]);
+        let run = export(&place, &format!("{camera} --export {camera}"));
         assert_eq!(run.code, 0, "{}", run.err);
         let bytes = bytes_in(&place.path(camera));
         assert!(bytes <= MOST_BYTES, "{camera}: {bytes} bytes");
@@ -73,7 +90,7 @@ fn it_opens_with_what_a_sweep_or_a_comparison_wrote() {
     place.write("study.toml", STUDY);
     assert_eq!(place.run(&["sweep", "study.toml", "-o", "swept", "-q"]).code, 0);
     // The best design, as the report has it.
-    let run = place.run(&["studio", "swept", "--export", "of-swept"]);
+    let run = export(&place, "swept --export of-swept");
     assert_eq!(run.code, 0, "{}", run.err);
     let report: serde_json::Value = serde_json::from_str(&place.ok("report swept --json -q")).unwrap();
     let best = &report["studies"][0]["sections"][0]["colors"][0]["best"][0]["trial"];
@@ -95,7 +112,7 @@ fn it_opens_with_what_a_sweep_or_a_comparison_wrote() {
         .to_vec();
     std::fs::create_dir(place.path("compared")).unwrap();
     place.write("compared/results.json", serde_json::json!({"cameras": cameras}).to_string());
-    let run = place.run(&["studio", "compared", "--export", "of-compared"]);
+    let run = export(&place, "compared --export of-compared");
     assert_eq!(run.code, 0, "{}", run.err);
     assert!(run.err.contains("the first two cameras are shown; 1 more can be opened"), "{}", run.err);
     assert_eq!(name(&text("of-compared/start.toml")), "name = \"rgbw\"");
@@ -118,7 +135,8 @@ fn it_opens_with_a_camera_a_study_or_what_was_designed() {
         ("theory", "theory-0", Value::Null),
         ("bayer@xtrans", "bayer@xtrans", Value::Null),
     ] {
-        place.ok(&format!("studio {start} --export of-{name} -q"));
+        let run = export(&place, &format!("{start} --export of-{name} -q"));
+        assert_eq!((run.code, run.err.as_str()), (0, ""), "{start}");
         assert_eq!(place.json(&format!("of-{name}/server.json"))["family"], family);
         let text = String::from_utf8(place.read(&format!("of-{name}/start.toml"))).unwrap();
         assert!(text.lines().any(|line| line == format!("name = \"{name}\"")), "{start}: {text}");

@@ -49,8 +49,8 @@ import { Lights, START } from "./lights.js";
 /** The camera whose light came with the page, without its mosaic. @typedef {{ id: string, name: string, camera: Design }} Setup */
 
 /**
- * A warning about a design. `filters` are the letters of the filters that it is about, the worst first.
- * @typedef {{ key: string, message: string, filters?: string[] }} Warning
+ * A warning about a design: the key of the camera description that it is about, and what it says.
+ * @typedef {{ key: string, message: string }} Warning
  */
 
 /**

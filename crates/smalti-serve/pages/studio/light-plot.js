@@ -24,11 +24,11 @@ export function clippingText({ own, pin, most }) {
   const shown = (/** @type {number} */ limit) => (limit < darkest ? "all" : limit >= brightest ? "none" : `${Number(limit.toPrecision(3))} cd/m²`);
   const start = "Expected figures do not include clipping";
   if (own === undefined) return `${start}.`;
-  const pinned = shown(pin) === shown(own) ? "" : `pinned: ${{ all: "at every one", none: "no clipping" }[shown(pin)] ?? `beyond ${shown(pin)}`}`;
+  const pinned = shown(pin) === shown(own) ? "" : `the pinned design: ${{ all: "at every one", none: "at none" }[shown(pin)] ?? `above ${shown(pin)}`}`;
   const [within, beside] = [pinned && `; ${pinned}`, pinned && ` (${pinned})`];
-  if (own < darkest) return `${start}: at every luminance shown (dotted${within}), over ${most} % of the samples clip.`;
-  if (own >= brightest) return `${start}. Up to ${brightest} cd/m²${beside}, at most ${most} % of the samples of this scene clip.`;
-  return `${start}: beyond ${shown(own)} (dotted${within}), over ${most} % of the samples of this scene clip.`;
+  if (own < darkest) return `${start}: at every luminance shown (dotted${within}), more than ${most} % of the samples clip.`;
+  if (own >= brightest) return `${start}. Up to ${brightest} cd/m²${beside}, at most ${most} % of the samples clip.`;
+  return `${start}: above ${shown(own)} (dotted${within}), more than ${most} % of the samples clip.`;
 }
 
 /**

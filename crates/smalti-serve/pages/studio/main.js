@@ -3,21 +3,20 @@
 import { announce, atFrame, byId, make, message, setUpMessages, tell, untell } from "./dom.js";
 import { withValue } from "./design.js";
 import { Engine } from "./engine.js";
-import { inFull, originOf } from "./exchange.js";
-import { camerasOfResults, curvesCsv, fileName, save } from "./files.js";
-import { fetched } from "./fetched.js";
+import { curvesCsv, fileName, save } from "./files.js";
 import { setUpFilters } from "./filters.js";
 import { familyOf, setUpImprove } from "./improve.js";
 import { setUpMosaic } from "./mosaic.js";
-import { excerpt, kindOf, shortened } from "./kinds.js";
+import { shortened } from "./kinds.js";
 import { offered, setUpNative } from "./native.js";
 import { readPhotograph } from "./photographs.js";
+import { opened, setUpOpening } from "./opening.js";
 import { setUpOwnFiles } from "./own-files.js";
 import { setUpPicture } from "./picture.js";
 import { setUpReport } from "./report.js";
 import { setUpScores } from "./scores.js";
 import { lensText, setUpSensor, simulated } from "./sensor.js";
-import { PHOTOGRAPH, fragmentOf, sharedIn } from "./share.js";
+import { PHOTOGRAPH, fragmentOf } from "./share.js";
 import { Store } from "./store.js";
 import { setUpSweep } from "./sweep.js";
 import { setUpTheme } from "./theme.js";
@@ -30,32 +29,6 @@ import { setUpWork } from "./work.js";
 /** @param {number} luminance */
 const lightText = (luminance) => `${Number(luminance.toPrecision(luminance < 1 ? 2 : 3))} cd/m²`;
 
-/** What the page opens: the conditions of an address, and the design with the one that it is compared with. @typedef {{ shared?: import("./share.js").Shared, origin: import("./exchange.js").Origin, pinned?: Camera }} Opened */
-
-/** The design in the address, if there is one; it is read as strictly as a file. @param {Engine} engine @returns {Promise<Opened | undefined>} */
-async function inAddress(engine) {
-  const shared = await sharedIn(location.hash);
-  if (!shared) return undefined;
-  const checked = async (/** @type {Camera} */ camera) => engine.parse(await engine.cameraToml(camera));
-  return { shared, origin: await originOf(engine, await checked(shared.camera)), pinned: shared.pinned && await inFull(engine, await checked(shared.pinned)) };
-}
-
-/** @param {unknown} error */
-const tellAddress = (error) => tell(`The design in the address cannot be opened: ${excerpt(message(error))}.`, "trouble");
-
-/** The design with which the page opens: that of the address, else that of the server. @param {Engine} engine @returns {Promise<Opened>} */
-async function opened(engine) {
-  try {
-    const found = await inAddress(engine);
-    if (found) return found;
-  } catch (error) {
-    tellAddress(error);
-  }
-  const file = async (/** @type {string} */ name) => engine.parse(await (await fetched(name)).text());
-  const pinned = (await offered())?.pinned;
-  return { origin: await originOf(engine, await file("start.toml")), pinned: pinned ? await inFull(engine, await file(pinned)) : undefined };
-}
-
 async function start() {
   setUpTheme();
   setUpMessages();
@@ -64,8 +37,7 @@ async function start() {
   const engine = await Engine.start("engine/", () => tell("The simulator of this page failed, for example for lack of memory, and was started again.", "trouble"));
   const first = await opened(engine);
   const store = new Store(first.origin);
-  const pinFirst = (/** @type {Opened} */ { origin, pinned }) => store.pin(pinned ?? origin.camera, { isChosen: pinned !== undefined });
-  pinFirst(first);
+  store.pin(first.pinned ?? store.camera, { isChosen: first.pinned !== undefined });
 
   const scene = byId("scene", HTMLSelectElement);
   const light = byId("luminance", HTMLInputElement);
@@ -75,19 +47,23 @@ async function start() {
     const own = engine.scenes.filter((s) => s.set === set);
     if (own.length > 0) scene.append(make("optgroup", { label }, ...own.map((s) => make("option", { value: s.id }, s.name))));
   }
+  const showLight = () => {
+    lightOut.textContent = lightText(luminance());
+    light.setAttribute("aria-valuetext", lightText(luminance()));
+  };
   /** Shows the scene and the luminance of an address, and the picture as it was looked at, and says which scene is missing. @param {Partial<import("./share.js").Shared>} shared @returns {string} */
-  function showConditions(shared) {
-    const id = String(shared.scene ?? "");
+  function showConditions({ scene: id = "", luminance: shown, look }) {
     // A photograph has a number, which would be that of another one here.
     const isKnown = engine.scenes.some((s) => s.id === id && s.set !== "own");
     if (isKnown) scene.value = id;
     else if (!scene.value || id) scene.value = engine.scenes[0].id;
-    if (shared.luminance) light.value = String(Math.log10(shared.luminance));
-    picture.lookAs(shared.look ?? {});
+    if (shown !== undefined) light.value = String(Math.log10(shown));
+    if (look) picture.lookAs(look);
+    showLight();
     if (isKnown || !id) return "";
     return id.startsWith(PHOTOGRAPH)
       ? `The scene of this address is a photograph of the sender, which is not in the address. ${sceneName()} is shown.`
-      : `This page has no scene ${id}. ${sceneName()} is shown.`;
+      : `This page has no scene ${shortened(id)}. ${sceneName()} is shown.`;
   }
   const sceneName = () => scene.selectedOptions[0]?.textContent ?? "";
   const isOwnScene = () => engine.scenes.some((s) => s.id === scene.value && s.set === "own");
@@ -118,7 +94,8 @@ async function start() {
   const scores = setUpScores(engine.catalogue);
   const mosaic = setUpMosaic(store, engine, () => colors);
   const filters = setUpFilters(store, engine, () => curves);
-  const sensor = setUpSensor(store, engine, adopt);
+  const { openPreset } = setUpOpening(store, engine, { takeCurve: filters.take, takePhotograph, judgeBy, showConditions });
+  const sensor = setUpSensor(store, engine, openPreset);
   const gathering = byId("gathering", HTMLElement);
   wait.textContent = "Learning the first picture…";
 
@@ -241,9 +218,10 @@ async function start() {
   let clippingOf = "";
   const soon = atFrame(() => {
     isWaiting = false;
-    // What is known of another scene does not hold; that of a design before a change does about.
-    if (clippingOf !== scene.value) scores.showClipping(undefined, Infinity);
-    clippingOf = scene.value;
+    // What is known of another scene or of another pinned design does not hold; that of a design before a change does about.
+    const of = JSON.stringify([scene.value, store.pinned]);
+    if (clippingOf !== of) scores.showClipping(undefined, Infinity);
+    clippingOf = of;
     compute();
   });
   work.again = () => {
@@ -319,37 +297,8 @@ async function start() {
     if (curves) save(fileName(`${store.named.name} curves`, "csv"), new Blob([curvesCsv(curves)], { type: "text/csv" }));
   });
 
-  // ---- files that are opened ----
-
-  /** Opens a camera as a step that can be undone, and pins another one or, unless somebody chose what is pinned, this one. @param {Design} design @param {string} what @param {Design} [other] */
-  async function adopt(design, what, other) {
-    try {
-      const [origin, pinned] = [await originOf(engine, design), other && await inFull(engine, other)];
-      const { name } = origin.camera;
-      store.change(origin.camera, what, undefined, origin);
-      if (pinned || !store.isPinChosen) pinFirst({ origin, pinned });
-      tell(pinned ? `${name} is open, and ${pinned.name} is pinned for comparison.`
-        : store.isPinChosen ? `${name} is open and compared with the pinned ${store.pinned?.name}.` : `${name} is open and pinned: later changes are compared with it.`);
-    } catch (error) {
-      tell(`${excerpt(message(error))}.`, "trouble");
-    }
-  }
-  /** @param {File} file */
-  async function open(file) {
-    const kind = await kindOf(file);
-    if (kind === "photograph") return addPhotograph(file);
-    if (kind === "results") return openResults(file);
-    if (typeof kind === "object") return tell(`${shortened(file.name)} ${kind.refused}`, "trouble");
-    const text = await file.text();
-    if (kind === "curve") return filters.take(shortened(file.name), text);
-    try {
-      await adopt(await engine.parse(text), `opening ${file.name}`);
-    } catch (error) {
-      tell(`${shortened(file.name)} is no camera file: ${excerpt(message(error))}`, "trouble");
-    }
-  }
-  /** @param {File} file */
-  async function addPhotograph(file) {
+  /** Makes a scene of a photograph. @param {File} file */
+  async function takePhotograph(file) {
     try {
       const name = shortened(file.name.replace(/\.[^.]*$/, "")) || "Photograph";
       const pixels = await readPhotograph(file);
@@ -365,45 +314,6 @@ async function start() {
       tell(`${shortened(file.name)}: ${message(error)}.`, "trouble");
     }
   }
-  /** Opens the cameras of a comparison: the first one, with the second one pinned. @param {File} file */
-  async function openResults(file) {
-    try {
-      const { cameras: [own, other], note, family } = await camerasOfResults(file, store.camera);
-      judgeBy(family);
-      const read = async (/** @type {Design} */ design) => engine.parse(await engine.cameraToml(design));
-      await adopt(await read(own), `opening ${file.name}`, other && await read(other));
-      if (note) tell(note);
-    } catch (error) {
-      tell(`${shortened(file.name)}: ${excerpt(message(error))}.`, "trouble");
-    }
-  }
-  const chooser = byId("file", HTMLInputElement);
-  const photo = byId("photo", HTMLInputElement);
-  byId("add-photo", HTMLButtonElement).addEventListener("click", () => photo.click());
-  photo.addEventListener("change", () => {
-    const [file] = photo.files ?? [];
-    if (file) addPhotograph(file);
-    photo.value = "";
-  });
-  byId("open-file", HTMLButtonElement).addEventListener("click", () => chooser.click());
-  chooser.addEventListener("change", () => {
-    const [file] = chooser.files ?? [];
-    if (file) open(file);
-    chooser.value = "";
-  });
-  // While a file is over the page, the page shows that it takes it.
-  const showDrop = (/** @type {boolean} */ is) => document.documentElement.toggleAttribute("data-drop", is);
-  document.addEventListener("dragover", (event) => {
-    event.preventDefault();
-    showDrop(event.dataTransfer?.types.includes("Files") ?? false);
-  });
-  document.addEventListener("dragleave", (event) => { if (event.relatedTarget === null) showDrop(false); });
-  document.addEventListener("drop", (event) => {
-    event.preventDefault();
-    showDrop(false);
-    const [file] = event.dataTransfer?.files ?? [];
-    if (file) open(file);
-  });
 
   // ---- the design ----
 
@@ -453,31 +363,11 @@ async function start() {
     show();
     work.again();
   });
-  const showLight = () => {
-    lightOut.textContent = lightText(luminance());
-    light.setAttribute("aria-valuetext", lightText(luminance()));
-  };
   light.addEventListener("input", () => {
     showLight();
     work.again();
   });
   for (const select of [scene, byId("family", HTMLSelectElement)]) select.addEventListener("change", () => work.again());
-  // A design is pasted into the address of the open page.
-  addEventListener("hashchange", async () => {
-    try {
-      const found = await inAddress(engine);
-      if (!found) return;
-      const { shared, origin, pinned } = found;
-      const absent = showConditions(shared ?? {});
-      showLight();
-      store.change(origin.camera, "opening the address", undefined, origin);
-      pinFirst(found);
-      tell(absent || `${origin.camera.name} of the address is open${pinned ? `, and ${pinned.name} is pinned for comparison` : ""}.`);
-    } catch (error) {
-      tellAddress(error);
-    }
-  });
-  showLight();
   show();
   mosaic();
   sensor();

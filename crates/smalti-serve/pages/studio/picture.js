@@ -4,8 +4,10 @@ import { announce, atFrame, byId } from "./dom.js";
 import { OUT_OF_DATE } from "./scores.js";
 
 /** @typedef {import("./engine.js").Picture} Picture */
-/** @typedef {"one" | "split" | "other" | "map"} View */
-/** How the picture is looked at: in which view, and against what. @typedef {{ view: View, against: "reference" | "pin" }} Look */
+/** The views of the picture, and what it is compared with. */
+export const [VIEWS, RIVALS] = [/** @type {const} */ (["one", "split", "other", "map"]), /** @type {const} */ (["reference", "pin"])];
+/** @typedef {typeof VIEWS[number]} View */
+/** How the picture is looked at: in which view, and against what. @typedef {{ view: View, against: typeof RIVALS[number] }} Look */
 
 /** The colours of a map of differences, dark to bright. */
 const SCALE = [[0, 0, 4], [40, 11, 84], [101, 21, 110], [159, 42, 99], [212, 72, 66], [245, 125, 21], [250, 193, 39], [252, 255, 164]];
@@ -214,10 +216,10 @@ export function setUpPicture(onView) {
   return {
     /** How the picture is looked at. @returns {Look} */
     look: () => ({ view, against: other.value === "pin" ? "pin" : "reference" }),
-    /** Looks at the picture as an address says, as far as it does. @param {Partial<Record<keyof Look, unknown>>} look */
+    /** Sets the view, and what the picture is compared with. @param {Look} look */
     lookAs({ view: wanted, against }) {
-      if (against === "pin" || against === "reference") other.value = against;
-      if (wanted === "one" || wanted === "split" || wanted === "other" || wanted === "map") setView(wanted);
+      other.value = against;
+      setView(wanted);
     },
     /** Whether the pinned picture is looked at. */
     needsPin: () => other.value === "pin" && (view === "split" || view === "other"),

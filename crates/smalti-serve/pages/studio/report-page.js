@@ -52,7 +52,7 @@ function pictures({ own, pin, reference, scene }) {
 }
 
 /** The doubt of the page. */
-const doubt = () => `The doubt states how far a change on the page of the studio can be trusted: between ten designs, 95 % of the changes agree within it with those of pipelines learned from all training scenes. It is ${doubtsText()}. Changes within it, or below the smallest relevant difference, are called neither better nor worse.`;
+const aboutDoubt = () => `The doubt states how far a change on the page of the studio can be trusted: between ten designs with the sensor and the lens of bayer at 1, 10 and 80 cd/m², 95 % of the changes agree within it with those of pipelines learned from all training scenes. It is ${doubtsText()}. Changes within it, or below the smallest relevant difference, are called neither better nor worse.`;
 
 /** @param {Report} report */
 function scores({ own, pin, rows, isClipped, clips, warnings }) {
@@ -63,7 +63,7 @@ function scores({ own, pin, rows, isClipped, clips, warnings }) {
   ]);
   return section("Scores",
     table(pin ? `Scores of ${nameOf(own)}, and how they differ from those of the pinned ${nameOf(pin)}` : `Scores of ${nameOf(own)}`, head, all, { kind: "scored" }),
-    pin && make("p", { class: "hint" }, doubt(), isClipped && ` More than ${clips.most} % of the samples of a picture saturate, so changes of these scores are not judged.`),
+    pin && make("p", { class: "hint" }, aboutDoubt(), isClipped && ` More than ${clips.most} % of the samples of a picture saturate, so the page does not judge changes of the scores of the picture.`),
     make("h3", {}, "Warnings"),
     warnings.length > 0 ? make("ul", { class: "notice" }, ...warnings.map((warning) => make("li", {}, warning))) : make("p", {}, "No warnings."),
     make("h3", {}, "Definitions"), make("dl", { class: "hint" }, ...rows.flatMap(({ score }) => [make("dt", {}, score.label), make("dd", {}, definition(score))])));
@@ -127,14 +127,14 @@ function overLight({ own, pin, over, clips }) {
     table(isCompared ? `Expected figures of ${nameOf(own)}, and below them those of ${nameOf(pin)}` : `Expected figures of ${nameOf(own)}`, [["cd/m²"], ...keys.map((key) => [FIGURES[key]])], rows));
 }
 
-/** A file of the folder in a command, quoted where a shell would split it or change it. @param {string} name */
+/** A file of the folder in a command, quoted where a shell would split it or change it. Its name may be that of a scene as well. @param {string} name */
 function inShell(name) {
-  const plain = inOneLine(name);
-  return /^[\w.][\w.-]*$/.test(plain) ? plain : `'./${plain.replaceAll("'", "'\\''")}'`;
+  const path = `./${inOneLine(name)}`;
+  return /^[\w./-]*$/.test(path) ? path : `'${path.replaceAll("'", "'\\''")}'`;
 }
 
 /** @param {Report} report */
-function method({ own, pin, sceneInCommands, photograph = "photograph.png", luminance, seed, version }) {
+function method({ own, pin, sceneInCommands, photograph = "", luminance, seed, version }) {
   const files = [own, ...(pin ? [pin] : [])].map(({ file }) => file).join(" ");
   const command = (/** @type {string} */ scenes) => make("pre", {}, code(`smalti compare ${files} --luminance ${luminance} --exposure own${scenes}`));
   return section("How the figures were made",

@@ -38,13 +38,14 @@ const SCORES = [
 ];
 /**
  * The doubt of each score: 95 % of the changes on this page differ by no more from those of pipelines learned from all training scenes. The changes are those between ten designs at 1, 10 and
- * 80 cd/m², of scores of the picture on three scenes (docs/how-to/studio.md). It is absolute, in dim light where that is larger, or relative to the larger of two values. Smaller changes count
- * as neither better nor worse. Where a picture clips, none is judged: the 95th percentile of ΔE2000 then differs by up to four times as much.
- * @type {Record<string, { absolute: number, dim?: number } | { relative: number }>}
+ * 80 cd/m² (docs/how-to/studio.md). It is absolute, in dim light where that is larger, or relative to the larger of two values. Smaller changes count as neither better nor worse. Changes of
+ * scores `ofScene` are not judged where a picture clips: the 95th percentile of ΔE2000 then differs by up to four times as much. The other scores are those of targets.
+ * @type {Record<string, { absolute: number, dim?: number, ofScene: boolean } | { relative: number, ofScene: boolean }>}
  */
 const DOUBTS = {
-  cpsnr_db: { absolute: 0.9 }, pixel_delta_e_2000_mean: { absolute: 0.6 }, pixel_delta_e_2000_p95: { absolute: 1.3 }, scielab_mean: { absolute: 1.8 },
-  mtf50_low_contrast_cy_per_px: { absolute: 0.03, dim: 0.1 }, luminance_noise_percent: { relative: 0.4 },
+  cpsnr_db: { absolute: 0.9, ofScene: true }, pixel_delta_e_2000_mean: { absolute: 0.6, ofScene: true }, pixel_delta_e_2000_p95: { absolute: 1.3, ofScene: true },
+  scielab_mean: { absolute: 1.8, ofScene: true },
+  mtf50_low_contrast_cy_per_px: { absolute: 0.03, dim: 0.1, ofScene: false }, luminance_noise_percent: { relative: 0.35, ofScene: false },
 };
 /** The luminance below which light is dim, cd/m². */
 const DIM = 10;
@@ -56,7 +57,7 @@ const BAR_END = 10;
 /** @param {number | undefined} value @param {number} by */
 const scaled = (value, by) => (value === undefined ? undefined : value * by);
 
-/** The doubt of a change of a score, in its unit; 0 if none is known. @param {Score} score @param {number} from @param {number} to @param {number} luminance cd/m² */
+/** The doubt of a change of a score, in its unit; 0 for a score without one. @param {Score} score @param {number} from @param {number} to @param {number} luminance cd/m² */
 function doubtOf({ metric }, from, to, luminance) {
   const doubt = DOUBTS[metric];
   if (!doubt) return 0;
@@ -103,7 +104,7 @@ function bar(score, from, to, relevance) {
   return Math.min(Math.max(by, -1), 1);
 }
 
-/** Whether more than `most` percent of the samples of a picture saturate, so that the page does not judge its scores. @param {(Known | undefined)[]} all @param {number} most */
+/** Whether more than `most` percent of the samples of a picture saturate, so that the page does not judge changes of its scores. @param {(Known | undefined)[]} all @param {number} most */
 export const isClipped = (all, most) => all.some((k) => (k?.picture?.saturated_percent ?? 0) > most);
 
 /**
@@ -111,15 +112,16 @@ export const isClipped = (all, most) => all.some((k) => (k?.picture?.saturated_p
  * @param {Known} own @param {Known | undefined} pin @param {import("./engine.js").Engine["catalogue"]} catalogue @returns {Row[]}
  */
 function rowsOf(own, pin, { relevances, saturated_percent: most }) {
-  const clips = isClipped([own, pin], most);
+  const isSceneClipped = isClipped([own, pin], most);
   return SCORES.map((score) => {
     const [now, before] = [own, pin].map((known) => known && score.get(known)).map((v) => (typeof v === "number" && Number.isFinite(v) ? v : undefined));
     const isCompared = now !== undefined && before !== undefined;
     const length = isCompared ? bar(score, before, now, relevances[score.metric]) : 0;
     const doubt = isCompared ? doubtOf(score, before, now, own.luminance ?? DIM) : 0;
+    const clips = isSceneClipped && Boolean(DOUBTS[score.metric]?.ofScene);
     return {
       score, length, doubt: doubt > 0 && !clips ? doubtShown(score, doubt) : undefined, value: now === undefined ? undefined : text(now, score.digits), before: before === undefined ? undefined : text(before, score.digits),
-      change: isCompared ? change(score, before, now, length, clips && doubt > 0 ? Infinity : doubt) : undefined,
+      change: isCompared ? change(score, before, now, length, clips ? Infinity : doubt) : undefined,
     };
   });
 }

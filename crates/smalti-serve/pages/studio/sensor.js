@@ -72,9 +72,11 @@ export function setUpSensor(store, engine, adopt) {
   place.replaceChildren();
   preset.append(make("optgroup", { label: "The whole camera, with mosaic, filters and name" }, ...cameras.map((c, i) => make("option", { value: i }, c.name ?? ""))));
   preset.addEventListener("change", async () => {
-    const camera = cameras[Number(preset.value)];
+    const chosen = preset.value;
+    const camera = chosen === "" ? undefined : cameras[Number(chosen)];
     if (camera) await adopt(camera, `the preset ${camera.name}`);
-    preset.value = "";
+    // Another one may have been chosen meanwhile.
+    if (preset.value === chosen) preset.value = "";
   });
 
   const cut = make("select", { id: "ir-cut", change: () => store.change(withValue(store.camera, ["optics", "ir_cut"], cut.value === "none" ? undefined : { builtin: cut.value }), "the infrared cut") });

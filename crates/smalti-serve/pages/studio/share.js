@@ -1,6 +1,9 @@
 // @ts-check
 // The whole design in the fragment of the address, which browsers send to no server: JSON, deflated, in base 64 for addresses.
 
+import { RIVALS, VIEWS } from "./picture.js";
+import { LUMINANCES } from "./work.js";
+
 /** @typedef {import("./design.js").Camera} Camera */
 /** What an address holds: the design, what is compared with it, and how the picture is looked at. @typedef {{ camera: Camera, pinned?: Camera, scene?: string, luminance?: number, look?: import("./picture.js").Look }} Shared */
 
@@ -10,6 +13,11 @@ export const PHOTOGRAPH = "photograph";
 const PREFIX = "#1.";
 /** The largest design that is read, characters of JSON. */
 const MOST = 2_000_000;
+/** The range of the slider, cd/m². */
+const [LEAST_LUMINANCE, MOST_LUMINANCE] = [LUMINANCES[0], LUMINANCES[LUMINANCES.length - 1]];
+
+/** @param {unknown} value @returns {value is Record<string, unknown>} */
+const isObject = (value) => typeof value === "object" && value !== null && !Array.isArray(value);
 
 /** @param {Uint8Array<ArrayBuffer>} bytes @param {"deflate-raw"} format @param {boolean} back */
 async function through(bytes, format, back) {
@@ -46,6 +54,12 @@ export async function sharedIn(fragment) {
   } catch {
     throw new Error("the address is cut off or changed");
   }
-  if (typeof shared?.camera !== "object" || shared.camera === null) throw new Error("the address holds no design");
-  return shared;
+  const { camera, pinned, scene, luminance, look } = isObject(shared) ? shared : {};
+  if (!isObject(camera)) throw new Error("the address holds no design");
+  if (pinned !== undefined && !isObject(pinned)) throw new Error("pinned of the address is no design");
+  if (scene !== undefined && typeof scene !== "string") throw new Error("scene of the address is no text; expected the name of a scene");
+  if (luminance !== undefined && !(typeof luminance === "number" && luminance >= LEAST_LUMINANCE && luminance <= MOST_LUMINANCE)) throw new Error(`luminance of the address is no number from ${LEAST_LUMINANCE} to ${MOST_LUMINANCE} cd/m²`);
+  const isLook = look === undefined || (isObject(look) && VIEWS.includes(/** @type {any} */ (look.view)) && RIVALS.includes(/** @type {any} */ (look.against)));
+  if (!isLook) throw new Error(`look of the address has no view of ${VIEWS.join(", ")} against ${RIVALS.join(" or ")}`);
+  return /** @type {Shared} */ ({ camera, pinned, scene, luminance, look });
 }

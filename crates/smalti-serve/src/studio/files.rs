@@ -52,7 +52,7 @@ macro_rules! embedded {
     };
 }
 
-static EMBEDDED: [(&str, &[u8]); 41] = embedded![
+static EMBEDDED: [(&str, &[u8]); 42] = embedded![
     "bench.js",
     "design.js",
     "designs.js",
@@ -75,6 +75,7 @@ static EMBEDDED: [(&str, &[u8]); 41] = embedded![
     "mosaic.js",
     "native.js",
     "numbers.js",
+    "opening.js",
     "own-files.js",
     "parts.css",
     "photographs.js",

@@ -1,9 +1,9 @@
 //! Figures and curves of a design, without a picture.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 use serde::Serialize;
-use smalti::camera::{ArrayFigures, Camera, CameraDescription, CameraError, ColorimetricObserver};
+use smalti::camera::{ArrayFigures, Camera, CameraError, ColorimetricObserver};
 use smalti::color::{ColorSpace, Image};
 use smalti::design::light::LightStatistics;
 use smalti::design::live::live_conditions;
@@ -150,18 +150,9 @@ pub(super) struct Curves {
     mosaic: Vec<Vec<String>>,
 }
 
-/// The letters of the filters that a description states in samples.
-pub(super) fn sampled(description: &CameraDescription) -> BTreeSet<String> {
-    let filters = &description.sensor.cfa.filters;
-    filters.iter().filter(|(_, f)| matches!(f, Filter::Samples { .. })).map(|(l, _)| l.clone()).collect()
-}
-
-/// The curves of a camera, of which the filters `sampled` are in samples.
-pub(super) fn curves(
-    camera: &Camera,
-    sampled: &BTreeSet<String>,
-    illuminant: &Illuminant,
-) -> Result<Curves, CameraError> {
+pub(super) fn curves(camera: &Camera, illuminant: &Illuminant) -> Result<Curves, CameraError> {
+    let stated = &camera.description().sensor.cfa.filters;
+    let is_sampled = |letter: &str| matches!(stated.get(letter), Some(Filter::Samples { .. }));
     let (grid, cfa) = (camera.grid(), &camera.sensor.cfa);
     let pigments = PigmentsOn::new(grid);
     let light = illuminant.photons(grid)?;
@@ -172,7 +163,7 @@ pub(super) fn curves(
             transmittance: channel.transmittance.values().to_vec(),
             quantum_efficiency: response.times(&lens)?.values().to_vec(),
             color: color(&channel.transmittance, &light)?,
-            pigments: match sampled.contains(&channel.name) {
+            pigments: match is_sampled(&channel.name) {
                 true => pigments.of(&channel.transmittance),
                 false => None,
             },

@@ -141,13 +141,7 @@ impl Engine {
                 }
                 Answer::of(&scores)
             }
-            Request::Curves { design } => {
-                let description = cameras::from_json(design)?;
-                let sampled = figures::sampled(&description);
-                let grid = description.grid()?;
-                let camera = Camera::new(description, grid)?;
-                Answer::of(&figures::curves(&camera, &sampled, &Illuminant::D65)?)
-            }
+            Request::Curves { design } => Answer::of(&figures::curves(&camera(design)?, &Illuminant::D65)?),
             Request::Improve(request) => {
                 let statistics = self.lens(&request.lens)?.statistics()?;
                 let design = cameras::from_json(request.design.clone())?;

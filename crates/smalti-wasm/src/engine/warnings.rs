@@ -35,46 +35,41 @@ pub(super) const SATURATED_PERCENT: f64 = 1.0;
 pub(super) struct Warning {
     key: String,
     message: String,
-    /// The letters of the filters that it is about, the worst first.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    filters: Vec<String>,
 }
 
 impl Warning {
     fn new(key: &str, message: String) -> Self {
-        Self { key: key.into(), message, filters: Vec::new() }
+        Self { key: key.into(), message }
     }
 }
 
-/// A filter that deserves a warning: its letter, how bad it is, and its figures in words.
-struct Bad {
+/// A filter with a fault: its letter, how severe the fault is, and its figures in words.
+struct FaultyFilter {
     letter: String,
-    badness: f64,
+    severity: f64,
     figures: String,
 }
 
 /// One warning about all filters with a fault, the worst first: `one` says it of one filter by letter and figures, `several` of a number of them with a list of these.
 fn of_filters(
     key: &str,
-    mut all: Vec<Bad>,
+    mut all: Vec<FaultyFilter>,
     one: impl Fn(&str, &str) -> String,
     several: impl Fn(usize, &str) -> String,
 ) -> Option<Warning> {
-    all.sort_by(|a, b| b.badness.total_cmp(&a.badness));
+    all.sort_by(|a, b| b.severity.total_cmp(&a.severity));
     let message = match all.as_slice() {
         [] => return None,
         [only] => one(&only.letter, &only.figures),
         _ => {
-            let list: Vec<String> =
-                all.iter().map(|Bad { letter, figures, .. }| format!("{letter} ({figures})")).collect();
+            let list: Vec<String> = all
+                .iter()
+                .map(|FaultyFilter { letter, figures, .. }| format!("{letter} ({figures})"))
+                .collect();
             several(all.len(), &list.join(", "))
         }
     };
-    let key = match all.as_slice() {
-        [only] if key == FILTERS => format!("{FILTERS}.{}", only.letter),
-        _ => key.to_owned(),
-    };
-    Some(Warning { key, message, filters: all.into_iter().map(|bad| bad.letter).collect() })
+    Some(Warning::new(key, message))
 }
 
 /// Warnings about a camera.
@@ -91,9 +86,9 @@ pub(super) fn of_camera(camera: &Camera) -> Result<Vec<Warning>, CameraError> {
         let behind = response.times(&lens)?;
         match beyond.response(&channel.name, &behind) {
             Infrared::Blocked => {}
-            Infrared::Seen { nm, percent } => seen.push(Bad {
+            Infrared::Seen { nm, percent } => seen.push(FaultyFilter {
                 letter: channel.name.clone(),
-                badness: percent,
+                severity: percent,
                 figures: format!("{percent:.0} % of its maximum at {nm} nm"),
             }),
             Infrared::Unknown => unknown.push(channel.name.as_str()),
@@ -109,7 +104,7 @@ pub(super) fn of_camera(camera: &Camera) -> Result<Vec<Warning>, CameraError> {
             )
         },
         |count, list| {
-            format!("light beyond {end_nm} nm, which is not simulated, would reach {count} channels. They respond with: {list}")
+            format!("light beyond {end_nm} nm, which is not simulated, would reach {count} channels: {list}")
         },
     ));
     if !unknown.is_empty() {
@@ -124,9 +119,9 @@ pub(super) fn of_camera(camera: &Camera) -> Result<Vec<Warning>, CameraError> {
     let dark = channels.iter().zip(&whites).filter(|(_, white)| **white < DARK * brightest);
     found.extend(of_filters(
         FILTERS,
-        dark.map(|(channel, white)| Bad {
+        dark.map(|(channel, white)| FaultyFilter {
             letter: channel.name.clone(),
-            badness: -white,
+            severity: -white,
             figures: format!("{:.1} %", 100.0 * white / brightest),
         })
         .collect(),
@@ -134,7 +129,7 @@ pub(super) fn of_camera(camera: &Camera) -> Result<Vec<Warning>, CameraError> {
             format!("the channel {letter} has {figures} of the response of the brightest channel to white")
         },
         |count, list| {
-            format!("{count} channels have little of the response of the brightest channel to white: {list}")
+            format!("{count} channels respond weakly to white, relative to the brightest channel: {list}")
         },
     ));
     let independent = camera.independent_channels(&light)?;
@@ -213,16 +208,16 @@ impl Makeable {
                     new
                 }
             };
-            let bad = |badness: f64| Bad {
+            let faulty = |severity: f64, unit: &str| FaultyFilter {
                 letter: channel.name.clone(),
-                badness,
-                figures: format!("{:.0} %", 100.0 * badness),
+                severity,
+                figures: format!("{:.0} {unit}", 100.0 * severity),
             };
             if distance > APART {
-                apart.push(bad(distance));
+                apart.push(faulty(distance, "percentage points"));
             }
             if curve.max() > most + HIGHER {
-                high.push(bad(curve.max()));
+                high.push(faulty(curve.max(), "%"));
                 reached = 100.0 * most;
             }
         }
@@ -232,12 +227,12 @@ impl Makeable {
             apart,
             |letter, figures| {
                 format!(
-                    "the filter {letter} cannot be made {made}: the nearest such filter differs by up to {figures} transmittance"
+                    "the filter {letter} cannot be made {made}: its transmittance differs from that of the nearest such filter by up to {figures}"
                 )
             },
             |count, list| {
                 format!(
-                    "{count} filters cannot be made {made}. The largest differences of transmittance from the nearest such filters: {list}"
+                    "{count} filters cannot be made {made}. Their transmittances differ from those of the nearest such filters by up to: {list}"
                 )
             },
         );

@@ -32,6 +32,8 @@ fn mosaics_keep_the_filters_of_the_camera_and_those_changed_by_hand() {
     assert_eq!(in_full.said["pattern"].as_array().unwrap().len(), 4);
     assert_eq!(in_full.said["filters"]["R"], json!({"flat": 0.5}));
     assert_eq!(in_full.said["filters"]["G"], json!({"builtin": "green"}));
+    let unknown = refused(&mut engine, &json!({"in_full": {"array": {"pattern": "quadd"}}}));
+    assert!(unknown.contains("'quadd'; did you mean 'quad'?"), "{unknown}");
     let request = |base: &Value, given: &Value, changed: &Value, array: &Value, mosaic: &str| json!({"mosaic": {"base": base, "given": given, "changed": changed, "array": array, "mosaic": mosaic}});
     let builtin = |name: &str| json!({"builtin": name});
     let base = json!({"pattern": "bayer"});
@@ -143,6 +145,10 @@ fn improvements_state_the_pigments_of_filters_that_can_be_made() {
         spectrum.values().iter().map(|t| (t / most).max((-7.0f64).exp())).collect::<Vec<f64>>()
     };
     assert!(curves(&mut engine, &design).iter().all(|channel| channel["pigments"].is_null()));
+    // Nor is a built-in filter, whose name says it, taken apart.
+    let mut named = design.clone();
+    named["sensor"]["cfa"]["filters"]["R"] = json!({"builtin": "pigment/R"});
+    assert!(curves(&mut engine, &named).iter().all(|channel| channel["pigments"].is_null()));
     let begin = json!({"improve": {"design": design, "locks": {"mosaic": true}, "luminances_cd_m2": [2.0], "family": "pigments"}});
     let mut step = ask(&mut engine, &begin).said;
     let mut costs = Vec::new();
