@@ -147,6 +147,15 @@ test("a camera stays as stated when the page does not simulate all of it, and th
     for (const description of [found, expected]) delete description.sensor.cfa;
     assert.deepEqual(found, expected);
   }
+  // A curve in samples that ends within its wavelengths: the page draws it, and says that commands refuse it.
+  await page.getByRole("radio", { name: "Filter G" }).click();
+  await page.getByLabel("Shape of filter G").selectOption("samples");
+  await page.locator("#warnings li", { hasText: "Commands and full computations refuse this design: they simulate it at 400 to 830 nm, and the filter G is in samples at fewer wavelengths." }).waitFor({ state: "attached" });
+  await settled(page);
+  await writeFile(join(own.dir, "short.toml"), await toml(page));
+  assert.throws(() => own.run("evaluate", "short.toml", "--quiet"), /status 1|Command failed/);
+  assert.equal(await page.locator("#pinned").textContent(), "rgbx, changed, against the pinned rgbx");
+  await page.keyboard.press("Control+z");
   // It opens over the page, and closes with Escape.
   await note.getByText("Simulated in part").click();
   await note.locator("p", { hasText: "Not simulated on this page for rgbx: " }).waitFor();

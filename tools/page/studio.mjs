@@ -123,3 +123,8 @@ export const stated = (times) => {
   return { median: at(0.5), p95: at(0.95), most: sorted.at(-1), count: sorted.length };
 };
 export const text = ({ median, p95, most, count }) => `${median.toFixed(1)} ms in the median, ${p95.toFixed(1)} ms in 95 %, at most ${most.toFixed(1)} ms (${count} times)`;
+// Transmittances of a filter by wavelength, as the page saves them.
+export async function curve(page, letter) {
+  const [names, ...rows] = (await saved(page, "Save curves as CSV")).content.toString().trim().split("\n").map((line) => line.split(","));
+  return rows.map((row) => [Number(row[0]), Number(row[names.indexOf(`transmittance_${letter}`)])]);
+}

@@ -90,6 +90,9 @@ export function tell(text, kind = "note") {
   else delete place.dataset.kind;
 }
 
+/** Says which numbers a field takes. @param {string} label @param {number} min @param {number} max @param {string} unit */
+export const tellRange = (label, min, max, unit) => tell(`${label}: expected ${min} to ${max}${unit && ` ${unit}`}.`, "trouble");
+
 /** Removes a message, if it is still shown. @param {string} text */
 export function untell(text) {
   if (["note", "trouble"].some((kind) => byId(kind, HTMLElement).textContent === text)) tell("");

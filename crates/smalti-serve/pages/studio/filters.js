@@ -1,6 +1,6 @@
 // @ts-check
 // The filters: their curves with handles, and the numbers of the one that is selected.
-import { announce, byId, draw, make, message, setOptions, tell, textScale } from "./dom.js";
+import { announce, byId, draw, make, message, setOptions, tell, tellRange, textScale } from "./dom.js";
 import { letters, withFilter } from "./design.js";
 import { filterOfCsv } from "./files.js";
 import { drawnAxes, drawnCurves, frameOf, spectrum } from "./filter-plot.js";
@@ -241,14 +241,18 @@ export function setUpFilters(store, engine, curves) {
     const input = make("input", { type: "number", min, max, step: "any", "data-parameter": key, input: () => {
       const value = input.valueAsNumber;
       if (Number.isFinite(value) && value >= min && value <= max) change(set(value), label.toLowerCase(), `field ${store.selected} ${key}`);
-    }, change: () => store.end(), keydown: (/** @type {KeyboardEvent} */ event) => {
+    }, change: () => {
+      if (!(input.valueAsNumber >= min && input.valueAsNumber <= max)) tellRange(label, min, max, unit);
+      store.end();
+    }, blur: () => { input.value = shownNow(); }, keydown: (/** @type {KeyboardEvent} */ event) => {
       if (event.key !== "ArrowUp" && event.key !== "ArrowDown") return;
       event.preventDefault();
       const by = (event.key === "ArrowUp" ? 1 : -1) * step * (event.shiftKey ? 10 : 1);
       change(set(Number(Math.min(Math.max(get() + by, min), max).toFixed(4))), label.toLowerCase(), `field ${store.selected} ${key}`);
       input.value = String(get());
     } });
-    refreshers.push(() => { if (store.jumps || document.activeElement !== input) input.value = String(Number(get().toFixed(4))); });
+    const shownNow = () => String(Number(get().toFixed(4)));
+    refreshers.push(() => { if (store.jumps || document.activeElement !== input) input.value = shownNow(); });
     return make("label", { class: `field number${isWide ? " wide" : ""}`, title }, make("span", {}, label), make("span", { class: "unit" }, input, unit));
   }
 

@@ -48,6 +48,7 @@ export async function kindOf(file) {
   if (/[\0-\x08\x0e-\x1f]/.test(head)) return { refused: UNKNOWN };
   if (/\.json$/i.test(file.name) || /^\s*\{/.test(head)) return "results";
   if (file.size > MOST_TEXT) return { refused: "is larger than a camera file or a table of a filter." };
+  if (head.startsWith("wavelength_nm,transmittance_")) return { refused: "has all curves of a design, as this page saves them. The page opens camera.toml, and the curve of one filter: two columns, wavelength and transmittance." };
   if (/\.(csv|txt|tsv)$/i.test(file.name)) return "curve";
   if (/^\s*</.test(head)) return { refused: `is a page or another file in HTML or XML. ${OPENS}` };
   return "camera";

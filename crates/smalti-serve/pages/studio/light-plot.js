@@ -23,12 +23,13 @@ export function clippingText({ own, pin, most }) {
   const [darkest, brightest] = [LUMINANCES[0], LUMINANCES[LUMINANCES.length - 1]];
   const shown = (/** @type {number} */ limit) => (limit < darkest ? "all" : limit >= brightest ? "none" : `${Number(limit.toPrecision(3))} cd/m²`);
   const start = "Expected figures do not include clipping";
+  const [much, ofPin] = [`more than ${most} % of the samples clip`, shown(pin) === shown(own ?? Infinity) ? "" : "the pinned design"];
+  const pinned = ofPin && `; ${ofPin}: ${{ all: "at every one", none: "at none" }[shown(pin)] ?? `above ${shown(pin)}`}`;
   if (own === undefined) return `${start}.`;
-  const pinned = shown(pin) === shown(own) ? "" : `the pinned design: ${{ all: "at every one", none: "at none" }[shown(pin)] ?? `above ${shown(pin)}`}`;
-  const [within, beside] = [pinned && `; ${pinned}`, pinned && ` (${pinned})`];
-  if (own < darkest) return `${start}: at every luminance shown (dotted${within}), more than ${most} % of the samples clip.`;
-  if (own >= brightest) return `${start}. Up to ${brightest} cd/m²${beside}, at most ${most} % of the samples clip.`;
-  return `${start}: above ${shown(own)} (dotted${within}), more than ${most} % of the samples clip.`;
+  if (own < darkest) return `${start}: at every luminance shown (dotted${pinned}), ${much}.`;
+  if (own < brightest) return `${start}: above ${shown(own)} (dotted${pinned}), ${much}.`;
+  if (!ofPin) return `${start}. Up to ${brightest} cd/m², at most ${most} % of the samples of this scene clip.`;
+  return `${start}: more than ${most} % of the samples of ${ofPin} clip ${shown(pin) === "all" ? "at every luminance shown" : `above ${shown(pin)}`} (dotted).`;
 }
 
 /**

@@ -15,7 +15,7 @@ import { setUpOwnFiles } from "./own-files.js";
 import { setUpPicture } from "./picture.js";
 import { setUpReport } from "./report.js";
 import { setUpScores } from "./scores.js";
-import { lensText, setUpSensor, simulated } from "./sensor.js";
+import { lensText, refusedByCommands, setUpSensor, simulated } from "./sensor.js";
 import { PHOTOGRAPH, fragmentOf } from "./share.js";
 import { Store } from "./store.js";
 import { setUpSweep } from "./sweep.js";
@@ -100,14 +100,16 @@ async function start() {
   wait.textContent = "Learning the first picture…";
 
   const isPinned = () => store.pinned !== undefined && JSON.stringify(store.pinned) === JSON.stringify(store.camera);
-  const showWarnings = () => scores.warn([...own.picture?.warnings ?? [], ...own.figures?.warnings ?? []], own.picture !== undefined && own.figures !== undefined);
+  /** What the page says of a design beside the engine. @returns {import("./engine.js").Warning[]} */
+  const ownWarnings = () => [refusedByCommands(store.camera)].filter(Boolean).map((message) => ({ key: "wavelengths_nm", message }));
+  const showWarnings = () => scores.warn([...ownWarnings(), ...own.picture?.warnings ?? [], ...own.figures?.warnings ?? []], own.picture !== undefined && own.figures !== undefined);
   const showScores = () => scores.show(own, store.pinned && !isPinned() ? pin : undefined);
   let [drawnWhat, drawnMs] = ["", 0];
   /** The cameras of the curves and of the figures of the array, as text. */
   let [curvesOf, figuresOf] = ["", ""];
   const plot = byId("plot", HTMLElement);
-  /** The name of a design that differs from the pinned one of the same name says so. @param {Camera} camera */
-  const nameOf = ({ name }) => (store.pinned?.name === name && !isPinned() ? `${name}, changed` : name);
+  /** The name of a design that was changed, or that differs from the pinned one of the same name, says so. @param {Camera} camera */
+  const nameOf = ({ name }) => (store.named.name !== store.camera.name || (store.pinned?.name === name && !isPinned()) ? `${name}, changed` : name);
   /** Marks what a loop computes as of the state before the last change, or no longer. @param {import("./work.js").Loop} loop @param {boolean} is */
   const mark = (loop, is) => {
     scores.mark(loop, is);

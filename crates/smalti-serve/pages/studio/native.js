@@ -241,7 +241,7 @@ export async function setUpNative(shown, onChange) {
   show();
 
   function refuse() {
-    tell("The photograph is in this browser alone. Choose a built-in scene, or use `smalti simulate camera.toml --scene photo.png`.", "trouble");
+    tell("The photograph is in this browser alone. Choose a built-in scene, or save camera.toml and use `smalti simulate camera.toml --scene FILE --luminance LUMINANCE`.", "trouble");
   }
 
   /** @param {string | null} pipeline */

@@ -1,6 +1,6 @@
 // @ts-check
 // The sensor, the exposure and the lens as fields, with the ranges of camera files.
-import { byId, make, setOptions, tell } from "./dom.js";
+import { byId, make, setOptions, tellRange } from "./dom.js";
 import { withValue } from "./design.js";
 
 /** @typedef {import("./store.js").Store} Store */
@@ -108,15 +108,12 @@ export function setUpSensor(store, engine, adopt) {
 
   for (const { id, label, unit, key, title, step, isLens, factor = 1, get, set } of FIELDS) {
     const [min, max] = engine.catalogue.ranges[key].map((v) => Number((v * factor).toPrecision(12)));
-    const take = () => {
-      const value = input.valueAsNumber;
-      if (value >= min && value <= max) {
-        if (value !== get(store.camera)) store.change(set(store.camera, value), label, id);
-      } else if (isLens) tell(`${label}: expected ${min} to ${max}${unit && ` ${unit}`}.`, "trouble");
-    };
+    const isValid = () => input.valueAsNumber >= min && input.valueAsNumber <= max;
+    const take = () => { if (isValid() && input.valueAsNumber !== get(store.camera)) store.change(set(store.camera, input.valueAsNumber), label, id); };
     // Light is gathered for a finished number and not for every digit.
     const input = make("input", { id, type: "number", min, max, step: "any", input: () => { if (!isLens) take(); }, change: () => {
       if (isLens) take();
+      if (!isValid()) tellRange(label, min, max, unit);
       store.end();
     }, blur: () => { input.value = shown(get(store.camera)); }, keydown: (/** @type {KeyboardEvent} */ event) => {
       if (event.key !== "ArrowUp" && event.key !== "ArrowDown") return;
@@ -177,4 +174,17 @@ export function simulated(engine, camera) {
     left.push("binning");
   }
   return { camera: own, left };
+}
+
+/**
+ * Why commands refuse a camera that the page simulates: curves in samples that end within its wavelengths. Empty if they do not.
+ * @param {Camera} camera @returns {string}
+ */
+export function refusedByCommands(camera) {
+  const [first, , last] = /** @type {any} */ (camera).wavelengths_nm ?? [400, 10, 700];
+  const ends = (/** @type {any} */ { samples }) => samples && (samples.start_nm > first || samples.start_nm + samples.step_nm * (samples.values.length - 1) < last);
+  const short = Object.entries(camera.sensor.cfa.filters).filter(([, filter]) => ends(filter)).map(([letter]) => letter);
+  if (short.length === 0) return "";
+  const filters = short.length === 1 ? `the filter ${short[0]} is` : `the filters ${short.join(", ")} are`;
+  return `commands and full computations refuse this design: they simulate it at ${first} to ${last} nm, and ${filters} in samples at fewer wavelengths. Give other shapes, or change wavelengths_nm in the saved file`;
 }

@@ -45,7 +45,7 @@ export async function fragmentOf(shared) {
 /** What a fragment holds; `undefined` when it is empty. Fails when it holds something else. @param {string} fragment @returns {Promise<Shared | undefined>} */
 export async function sharedIn(fragment) {
   if (fragment.length <= 1) return undefined;
-  if (!fragment.startsWith(PREFIX)) throw new Error("the address was made by another version of the studio");
+  if (!fragment.startsWith(PREFIX)) throw new Error(/^#\d+\./.test(fragment) ? "the address was made by another version of the studio" : "the part of the address after # is no design of the studio");
   let shared;
   try {
     const text = atob(fragment.slice(PREFIX.length).replaceAll("-", "+").replaceAll("_", "/"));

@@ -21,7 +21,7 @@ pub(super) enum Infrared {
     Seen {
         /// Where it responds most.
         nm: f64,
-        /// Its response there, percent of its maximum.
+        /// Its response there, percent of its maximum, which may lie there too.
         percent: f64,
     },
     /// Some of its curves are not stated there, and the others do not block it.
@@ -84,7 +84,7 @@ impl Beyond {
         if most <= SENSITIVE * own.max() {
             Infrared::Blocked
         } else if curves().all(|c| c.is_some()) {
-            Infrared::Seen { nm, percent: 100.0 * most / own.max() }
+            Infrared::Seen { nm, percent: 100.0 * most / own.max().max(most) }
         } else {
             Infrared::Unknown
         }
