@@ -1,7 +1,7 @@
 // What the tests of the studio share: the server of the command, pages of it in a browser, and what they show.
 import { execFileSync, spawn } from "node:child_process";
 import { once } from "node:events";
-import { mkdtemp, readFile, rm } from "node:fs/promises";
+import { cp, mkdtemp, readFile, rm } from "node:fs/promises";
 import { createServer } from "node:http";
 import { tmpdir } from "node:os";
 import { extname, join, resolve } from "node:path";
@@ -9,11 +9,11 @@ import { launch } from "./browser.mjs";
 
 export const smalti = resolve(process.env.SMALTI ?? join(import.meta.dirname, "../../target/debug/smalti"));
 
-// Starts a browser and the server of `smalti studio bayer`, whose light is complete: the folder `site` is exported first, and leaves it in the cache,
-// which all tests share when SMALTI_STUDIO_CACHE names it.
+// Starts a browser and the server of `smalti studio bayer`, whose light is complete: the folder `site` is exported first, and leaves it in the cache.
+// SMALTI_STUDIO_CACHE names a cache that has it already.
 export async function studio() {
   const dir = await mkdtemp(join(tmpdir(), "smalti-studio-"));
-  const env = { ...process.env, SMALTI_CACHE_DIR: process.env.SMALTI_STUDIO_CACHE ?? join(dir, "cache") };
+  const env = { ...process.env, SMALTI_CACHE_DIR: join(dir, "cache") };
   const run = (...args) => execFileSync(smalti, args, { cwd: dir, encoding: "utf8", stdio: ["ignore", "pipe", "inherit"], env });
   const serve = async (...args) => {
     const child = spawn(smalti, ["studio", "bayer", "--json", "--quiet", ...args], { cwd: dir, stdio: ["ignore", "pipe", "inherit"], env });
@@ -25,6 +25,7 @@ export async function studio() {
     };
     return { address: JSON.parse(line).address, end };
   };
+  if (process.env.SMALTI_STUDIO_CACHE) await cp(process.env.SMALTI_STUDIO_CACHE, env.SMALTI_CACHE_DIR, { recursive: true });
   run("studio", "bayer", "--export", "site", "--quiet");
   const [browser, server] = await Promise.all([launch(), serve()]);
   // `before` prepares it, and it is returned once `ready`. A page in a context of its own. Faults are errors, violations of the policy and requests elsewhere; the tests themselves read the canvas.
