@@ -24,7 +24,6 @@ import { thicknessComments } from "./thickness.js";
 import { setUpWork } from "./work.js";
 
 /** @typedef {import("./design.js").Camera} Camera */
-/** @typedef {import("./engine.js").Design} Design */
 
 /** @param {number} luminance */
 const lightText = (luminance) => `${Number(luminance.toPrecision(luminance < 1 ? 2 : 3))} cd/m²`;

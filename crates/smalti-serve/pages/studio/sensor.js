@@ -145,6 +145,9 @@ export function conditions(camera, exposureMs) {
 /** A lens and pixel geometry in words. @param {Camera} camera */
 export const lensText = ({ optics, sensor }) => `f/${shown(optics.f_number)}, ${shown(sensor.pixel.pitch_um)} µm`;
 
+/** The wavelengths of a camera: the first, the step and the last, nm. @param {any} camera @returns {[number, number, number]} */
+const gridOf = ({ wavelengths_nm }) => wavelengths_nm ?? [400, 10, 700];
+
 /**
  * A camera as the engine of the page simulates it: at the wavelengths of its light, exposed by the brightest point where the camera meters a percentile, without
  * crosstalk and binning. `left` names what of the camera is not simulated.
@@ -155,11 +158,10 @@ export function simulated(engine, camera) {
   const left = [];
   let own = camera;
   const [{ camera: first }] = engine.setups;
-  const grid = (/** @type {any} */ c) => c.wavelengths_nm ?? [400, 10, 700];
   const words = (/** @type {number[]} */ [from, step, to]) => `${from} to ${to} nm in steps of ${step} nm`;
-  if (JSON.stringify(grid(own)) !== JSON.stringify(grid(first))) {
+  if (JSON.stringify(gridOf(own)) !== JSON.stringify(gridOf(first))) {
     own = withValue(own, ["wavelengths_nm"], /** @type {any} */ (first).wavelengths_nm ?? undefined);
-    left.push(`its wavelengths of ${words(grid(camera))} (here ${words(grid(first))})`);
+    left.push(`its wavelengths of ${words(gridOf(camera))} (here ${words(gridOf(first))})`);
   }
   if (own.exposure.auto === "luminance" && (own.exposure.time_ms ?? undefined) === undefined) {
     own = withValue(withValue(own, ["exposure", "auto"], "specular"), ["exposure", "auto_target"], undefined);
@@ -181,7 +183,7 @@ export function simulated(engine, camera) {
  * @param {Camera} camera @returns {string}
  */
 export function refusedByCommands(camera) {
-  const [first, , last] = /** @type {any} */ (camera).wavelengths_nm ?? [400, 10, 700];
+  const [first, , last] = gridOf(camera);
   const ends = (/** @type {any} */ { samples }) => samples && (samples.start_nm > first || samples.start_nm + samples.step_nm * (samples.values.length - 1) < last);
   const short = Object.entries(camera.sensor.cfa.filters).filter(([, filter]) => ends(filter)).map(([letter]) => letter);
   if (short.length === 0) return "";
