@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use anyhow::{Context, bail};
+use anyhow::{Context, anyhow, bail};
 use clap::Args;
 use serde::Deserialize;
 use serde_json::{Value, json};
@@ -16,11 +16,11 @@ use smalti::experiment::Silent;
 use smalti_io::cache::Cache;
 use smalti_io::cameras::LoadedCamera;
 use smalti_io::dataset::Dataset;
-use smalti_io::studio::{StudioAsset, StudioAssetError};
+use smalti_io::studio::{Extent, StudioAsset};
 use smalti_io::sweeps::{read_results, read_trials};
 use smalti_io::{TomlSource, cameras, designs, studies, text, write};
 use smalti_report::study::{Report, ReportSettings, Results, camera_toml};
-use smalti_serve::studio::{Native, Opening};
+use smalti_serve::studio::{LateFiles, Native, Opening};
 use smalti_serve::{LocalServer, OpeningFile, studio};
 
 use crate::args::Common;
@@ -91,15 +91,19 @@ pub(crate) fn run(args: &Studio, common: &Common) -> anyhow::Result<()> {
         return crate::print(&format!("{}\n", dir.join("index.html").display()));
     }
     let server = LocalServer::bind(args.port, None)?;
-    let bare = bare(&camera)?;
+    let (bare, late) = (bare(&camera)?, LateFiles::default());
     let kept = cache.studio_assets(&key(&bare)?);
     let is_kept = kept.is_some();
-    let light = match kept {
-        Some(light) => light,
-        None => gathered(&bare, smalti_io::studio::first_assets, common)?,
+    let first = if let Some(kept) = kept {
+        late.set(kept);
+        None
+    } else {
+        Some(smalti_io::studio::manifest(&bare, Extent::First))
     };
-    let files = studio::files(&opening, with_sources(light), true);
+    let files = studio::files(&opening, with_sources(first), true);
     let address = server.url();
+    let routes = studio::routes(files, late.clone(), Native::new(cache.clone()));
+    let serving = std::thread::spawn(move || server.run(routes));
     if args.json {
         crate::output::print_document(&format!("{}\n", json!({"address": address})))?;
     } else {
@@ -109,14 +113,15 @@ pub(crate) fn run(args: &Studio, common: &Common) -> anyhow::Result<()> {
         }
         note("Ctrl-C ends the server", common);
     }
-    let native = Native::new(cache.clone());
-    if !is_kept && !args.no_cache {
-        std::thread::spawn(move || {
+    if !is_kept {
+        // The page loads meanwhile.
+        late.set(gathered(&bare, Extent::First, common)?);
+        if !args.no_cache {
             std::thread::sleep(LATER);
             keep_all(&bare, &cache);
-        });
+        }
     }
-    Ok(server.run(studio::routes(files, native))?)
+    serving.join().map_err(|_| anyhow!("the server failed"))?.map_err(Into::into)
 }
 
 /// Opens the page in a browser through a file that leads to it: the command line of a browser, which other accounts can read, must not have the token.
@@ -131,7 +136,7 @@ fn open_page(address: &str) -> anyhow::Result<()> {
 }
 
 /// The files of the light with those from which the page gathers it for other lenses.
-fn with_sources(light: Vec<StudioAsset>) -> Vec<StudioAsset> {
+fn with_sources(light: impl IntoIterator<Item = StudioAsset>) -> Vec<StudioAsset> {
     light.into_iter().chain(smalti_io::studio::sources()).collect()
 }
 
@@ -159,11 +164,10 @@ fn key(bare: &Camera) -> anyhow::Result<String> {
     Ok(serde_json::to_string(bare.description())?)
 }
 
-type Assets = fn(&Camera, &dyn smalti::experiment::Progress) -> Result<Vec<StudioAsset>, StudioAssetError>;
-
-fn gathered(bare: &Camera, assets: Assets, common: &Common) -> anyhow::Result<Vec<StudioAsset>> {
+/// The light of a bare camera, without its manifest.
+fn gathered(bare: &Camera, extent: Extent, common: &Common) -> anyhow::Result<Vec<StudioAsset>> {
     let progress = Progress::new(0, common.quiet);
-    let light = assets(bare, &progress)?;
+    let light = smalti_io::studio::light(bare, extent, &progress)?;
     progress.finish();
     Ok(light)
 }
@@ -174,7 +178,8 @@ fn all_light(bare: &Camera, cache: &Cache, common: &Common) -> anyhow::Result<Ve
     if let Some(light) = cache.studio_assets(&key) {
         return Ok(light);
     }
-    let light = gathered(bare, smalti_io::studio::assets, common)?;
+    let manifest = smalti_io::studio::manifest(bare, Extent::All);
+    let light: Vec<_> = std::iter::once(manifest).chain(gathered(bare, Extent::All, common)?).collect();
     cache.keep_studio_assets(&key, &light);
     Ok(light)
 }

@@ -11,7 +11,7 @@ use smalti_io::cache::Cache;
 use smalti_io::dng;
 use smalti_serve::LocalServer;
 use smalti_serve::studio::native::MOST_MESSAGE_BYTES;
-use smalti_serve::studio::{Native, Opening, files, routes};
+use smalti_serve::studio::{LateFiles, Native, Opening, files, routes};
 use tungstenite::client::IntoClientRequest;
 use tungstenite::protocol::frame::coding::CloseCode;
 use tungstenite::{Message, WebSocket, client};
@@ -43,7 +43,8 @@ fn server() -> &'static str {
         let server = LocalServer::bind(None, None).unwrap();
         let address = server.url();
         let opening = Opening { camera: "name = \"x\"".into(), ..Opening::default() };
-        let pages = routes(files(&opening, Vec::new(), true), Native::new(Cache::disabled()));
+        let pages =
+            routes(files(&opening, Vec::new(), true), LateFiles::default(), Native::new(Cache::disabled()));
         std::thread::spawn(move || server.run(pages).unwrap());
         address
     })

@@ -38,7 +38,12 @@ pub use file::{scene_from_bytes, scene_to_bytes, training_from_bytes, training_t
 pub use lens::{TrainingFiles, scene_light, sources, statistics_of_light, training_light};
 pub use scenes::{COMPONENTS, catalogue_name};
 
-use crate::{IoError, light, rendered};
+use crate::{IoError, rendered};
+
+/// The light that pipelines are learned from.
+const TRAINING: &str = "training.bin";
+/// The statistics of light.
+const STATISTICS: &str = "statistics.bin";
 
 /// How the studio learns: with smaller patches and a smaller training scene than a study, so that a mosaic takes a fraction of a second.
 #[must_use]
@@ -48,67 +53,48 @@ pub fn learning() -> LearningSettings {
 
 /// Which light is gathered.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Extent {
-    /// That of the training scene and of the first scene.
+pub enum Extent {
+    /// That of the training scene and of the first scene, in a second. The manifest names no file for the other scenes and the statistics, and the page gathers
+    /// their light from [`sources`], as it does behind another lens.
     First,
+    /// All, in several seconds.
     All,
 }
 
-/// The files of the studio for the lens and the pixel geometry of a camera, in daylight (D65); the page begins with this camera. Equal arguments
-/// give equal bytes. This takes several seconds. Each file is one step of progress.
-///
-/// # Errors
-/// When the camera is invalid or its lens cannot image a scene, or when it was stopped.
-pub fn assets(camera: &Camera, progress: &dyn Progress) -> Result<Vec<StudioAsset>, StudioAssetError> {
-    gathered(camera, Extent::All, progress)
-}
-
-/// The files with which the page shows its first picture, in a second: the manifest names no file for the other scenes and the statistics, and the
-/// page gathers their light from [`sources`], as it does behind another lens.
-///
-/// # Errors
-/// As [`assets`].
-pub fn first_assets(camera: &Camera, progress: &dyn Progress) -> Result<Vec<StudioAsset>, StudioAssetError> {
-    gathered(camera, Extent::First, progress)
-}
-
-fn gathered(
-    camera: &Camera,
-    extent: Extent,
-    progress: &dyn Progress,
-) -> Result<Vec<StudioAsset>, StudioAssetError> {
-    let illuminant = Illuminant::D65;
-    let setup = LiveSetup::new(camera.description(), illuminant.clone(), learning());
-    let count = if extent == Extent::First { 1 } else { SCENES.len() };
-    progress.expect(count as u64 + 1);
-    let scenes = || {
-        let asset = |about: &StudioScene| {
-            if progress.is_stopped() {
-                return Err(ExperimentError::Stopped.into());
-            }
-            let source = rendered::find(about.catalogue).and_then(|stored| stored.photograph());
-            let scene = scene_light(&setup, about.id, source)?;
-            let asset = deflated(file_of(about), &scene_to_bytes(&scene, Path::new(about.id))?)?;
-            progress.done();
-            Ok(asset)
-        };
-        SCENES[..count].par_iter().map(asset).collect::<Result<Vec<_>, StudioAssetError>>()
-    };
-    let training = || {
-        let bytes = training_to_bytes(&training_light(&setup)?, Path::new("training"))?;
-        progress.done();
-        Ok::<_, StudioAssetError>(deflated("training.bin".into(), &bytes)?)
-    };
-    let (scenes, training) = rayon::join(scenes, training);
-    let statistics = match extent {
-        Extent::First => None,
-        Extent::All => {
-            let stored = rendered::TrainingSet::All.stored();
-            let found = statistics_of_light(camera, &illuminant, stored, progress)?;
-            let bytes = light::to_bytes(&found, Path::new("statistics"))?;
-            Some(deflated("statistics.bin".into(), &bytes)?)
+impl Extent {
+    /// First light is waited for and stays on this machine; all of it may be put on a web server.
+    fn compression(self) -> Compression {
+        match self {
+            Self::First => Compression::fast(),
+            Self::All => Compression::best(),
         }
-    };
+    }
+
+    /// The scenes that have a file.
+    fn scenes(self) -> &'static [StudioScene] {
+        match self {
+            Self::First => &SCENES[..1],
+            Self::All => &SCENES,
+        }
+    }
+}
+
+/// The illuminant of the scenes.
+const ILLUMINANT: Illuminant = Illuminant::D65;
+
+/// The files of the studio for the lens and the pixel geometry of a camera, in daylight (D65); the page begins with this camera. Equal arguments
+/// give equal bytes. They are [`manifest`] and [`light`](fn@light).
+///
+/// # Errors
+/// As [`light`](fn@light).
+pub fn assets(camera: &Camera, progress: &dyn Progress) -> Result<Vec<StudioAsset>, StudioAssetError> {
+    let light = light(camera, Extent::All, progress)?;
+    Ok(std::iter::once(manifest(camera, Extent::All)).chain(light).collect())
+}
+
+/// `manifest.json` of the files of an extent, which takes no time.
+#[must_use]
+pub fn manifest(camera: &Camera, extent: Extent) -> StudioAsset {
     let description = camera.description();
     let training_sources: BTreeMap<&str, String> =
         rendered::training::NAMES.iter().map(|name| (*name, lens::training_source(name))).collect();
@@ -118,24 +104,65 @@ fn gathered(
             "name": scene.name,
             "catalogue": scene.catalogue,
             "set": if scene.is_photograph() { "natural" } else { "charts" },
-            "file": (at < count).then(|| file_of(scene)),
+            "file": (at < extent.scenes().len()).then(|| file_of(scene)),
             "source": scene.source(),
         })
     };
     let manifest = json!({
-        "training": "training.bin",
-        "statistics": statistics.as_ref().map(|asset| &asset.name),
+        "training": TRAINING,
+        "statistics": (extent == Extent::All).then_some(STATISTICS),
         "training_sources": training_sources,
         "scenes": SCENES.iter().enumerate().map(about).collect::<Vec<_>>(),
         "setups": [{
             "id": description.name,
             "name": description.name,
-            "illuminant": illuminant.name(),
+            "illuminant": ILLUMINANT.name(),
             "camera": description,
         }],
     });
-    let manifest = StudioAsset { name: "manifest.json".into(), bytes: manifest.to_string().into_bytes() };
-    Ok([manifest, training?].into_iter().chain(statistics).chain(scenes?).collect())
+    StudioAsset { name: "manifest.json".into(), bytes: manifest.to_string().into_bytes() }
+}
+
+/// The files that [`manifest`] names, other than [`sources`]. Each is one step of progress.
+///
+/// # Errors
+/// When the camera is invalid or its lens cannot image a scene, or when it was stopped.
+pub fn light(
+    camera: &Camera,
+    extent: Extent,
+    progress: &dyn Progress,
+) -> Result<Vec<StudioAsset>, StudioAssetError> {
+    let setup = LiveSetup::new(camera.description(), ILLUMINANT, learning());
+    progress.expect(extent.scenes().len() as u64 + 1);
+    let scenes = || {
+        let asset = |about: &StudioScene| {
+            if progress.is_stopped() {
+                return Err(ExperimentError::Stopped.into());
+            }
+            let source = rendered::find(about.catalogue).and_then(|stored| stored.photograph());
+            let scene = scene_light(&setup, about.id, source)?;
+            let asset = deflated(file_of(about), &scene_to_bytes(&scene, Path::new(about.id))?, extent)?;
+            progress.done();
+            Ok(asset)
+        };
+        extent.scenes().par_iter().map(asset).collect::<Result<Vec<_>, StudioAssetError>>()
+    };
+    let training = || {
+        let bytes = training_to_bytes(&training_light(&setup)?, Path::new("training"))?;
+        progress.done();
+        Ok::<_, StudioAssetError>(deflated(TRAINING.into(), &bytes, extent)?)
+    };
+    let (scenes, training) = rayon::join(scenes, training);
+    let statistics = match extent {
+        Extent::First => None,
+        Extent::All => {
+            let stored = rendered::TrainingSet::All.stored();
+            let found = statistics_of_light(camera, &ILLUMINANT, stored, progress)?;
+            let bytes = crate::light::to_bytes(&found, Path::new("statistics"))?;
+            Some(deflated(STATISTICS.into(), &bytes, extent)?)
+        }
+    };
+    Ok(std::iter::once(training?).chain(statistics).chain(scenes?).collect())
 }
 
 /// The name of the file of a scene.
@@ -143,8 +170,8 @@ fn file_of(scene: &StudioScene) -> String {
     format!("{}.bin", scene.id)
 }
 
-fn deflated(name: String, bytes: &[u8]) -> Result<StudioAsset, IoError> {
-    let mut encoder = DeflateEncoder::new(Vec::new(), Compression::best());
+fn deflated(name: String, bytes: &[u8], extent: Extent) -> Result<StudioAsset, IoError> {
+    let mut encoder = DeflateEncoder::new(Vec::new(), extent.compression());
     let bytes = encoder.write_all(bytes).and_then(|()| encoder.finish());
     let bytes = bytes.map_err(IoError::writing(Path::new(&name)))?;
     Ok(StudioAsset { name, bytes })

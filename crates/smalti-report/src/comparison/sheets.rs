@@ -1,7 +1,8 @@
 //! The files of a comparison: pictures side by side, maps of differences, kernels and the page.
 
 use rayon::prelude::*;
-use smalti::experiment::Outcome;
+use smalti::experiment::{Contender, Outcome};
+use smalti::l3::Pipeline;
 
 use super::page::page;
 use super::results::Comparison;
@@ -17,8 +18,19 @@ pub const SIDE_BY_SIDE: &str = "side-by-side";
 const MAPS: &str = "-differences";
 /// Pictures in a row.
 const ACROSS: usize = 4;
-/// Scenes whose pictures are drawn at a time, which bounds the memory.
+/// What is drawn at a time, which bounds the memory.
 const AT_ONCE: usize = 16;
+
+/// What files show.
+enum Drawing<'a> {
+    /// The pictures of a scene in one light, and the maps of their differences; their name without extension.
+    Pictures { light: usize, scene: usize, name: &'a str },
+    /// The kernels of a pipeline, and the file of its table.
+    Kernels { of: &'a Contender<'a>, pipeline: &'a Pipeline, file: &'a str },
+}
+
+/// The name and the content of a file.
+type Drawn = (String, Vec<u8>);
 
 impl Comparison<'_> {
     /// All files but the document, relative to the folder. The tables of pipelines (`.l3`) are among them, which
@@ -37,33 +49,48 @@ impl Comparison<'_> {
     /// # Errors
     /// When a picture cannot be drawn or stored.
     pub fn draw(&self, store: &mut FileSink<'_>) -> Result<(), ReportError> {
-        let page = page(self)?;
-        let png = |name: String, sheet: Sheet| -> Result<(String, Vec<u8>), ReportError> {
-            Ok((name, sheet.draw()?.png(1.0)?))
+        let (names, learned) = (self.picture_names(), self.learned());
+        let pictures = names.iter().enumerate().flat_map(|(light, names)| {
+            names.iter().enumerate().map(move |(scene, name)| Drawing::Pictures { light, scene, name })
+        });
+        let kernels = learned.iter().map(|(of, pipeline, file)| Drawing::Kernels { of, pipeline, file });
+        let drawings: Vec<_> = pictures.chain(kernels).collect();
+        let draw = |part: &[Drawing<'_>]| -> Vec<Result<Vec<Drawn>, ReportError>> {
+            part.par_iter().map(|drawing| self.drawn(drawing)).collect()
         };
-        let sheets = |(l, luminance_cd_m2): (usize, f64), s: usize, name: &str| -> Result<_, ReportError> {
-            let title = format!("{}, {luminance_cd_m2} cd/m²", self.scene_label(s));
-            let pictures = self.side_by_side(&title, l, s)?;
-            let scored = self.of_scene(l, s).map(|(contender, s)| (contender.name(), &s.scores));
-            let maps = maps::sheet(title, &scored.collect::<Vec<_>>());
-            let pictures = png(format!("{SIDE_BY_SIDE}/{name}.png"), pictures)?;
-            Ok([pictures, png(format!("{SIDE_BY_SIDE}/{name}{MAPS}.png"), maps)?])
-        };
-        let names = self.picture_names();
-        let lights = self.lights().iter().map(|light| light.luminance_cd_m2).enumerate().zip(&names);
-        let scenes = lights.flat_map(|(light, n)| n.iter().enumerate().map(move |(s, n)| (light, s, n)));
-        for part in scenes.collect::<Vec<_>>().chunks(AT_ONCE) {
-            let drawn: Vec<_> = part.par_iter().map(|&(light, s, name)| sheets(light, s, name)).collect();
-            for drawn in drawn {
-                drawn?.iter().try_for_each(|(name, png)| store(name, png)).map_err(ReportError::Sink)?;
+        let mut parts = drawings.chunks(AT_ONCE);
+        // Most of the page is made by one thread.
+        let (page, mut part) = rayon::join(|| page(self), || parts.next().map(draw));
+        let page = page?;
+        while let Some(drawn) = part {
+            for files in drawn {
+                files?.iter().try_for_each(|(name, png)| store(name, png)).map_err(ReportError::Sink)?;
             }
-        }
-        for (contender, pipeline, file) in self.learned() {
-            let sheet = kernels::sheet(contender.camera, contender.label, pipeline)?;
-            let (name, png) = png(format!("{file}-kernels.png"), sheet)?;
-            store(&name, &png).map_err(ReportError::Sink)?;
+            part = parts.next().map(draw);
         }
         store(PAGE, page.as_bytes()).map_err(ReportError::Sink)
+    }
+
+    fn drawn(&self, drawing: &Drawing<'_>) -> Result<Vec<Drawn>, ReportError> {
+        let png = |name: String, sheet: Sheet| -> Result<Drawn, ReportError> {
+            Ok((name, sheet.draw()?.png(1.0)?))
+        };
+        match drawing {
+            Drawing::Pictures { light, scene, name } => {
+                let luminance_cd_m2 = self.lights()[*light].luminance_cd_m2;
+                let title = format!("{}, {luminance_cd_m2} cd/m²", self.scene_label(*scene));
+                let pictures = self.side_by_side(&title, *light, *scene)?;
+                let scored =
+                    self.of_scene(*light, *scene).map(|(contender, s)| (contender.name(), &s.scores));
+                let maps = maps::sheet(title, &scored.collect::<Vec<_>>());
+                let pictures = png(format!("{SIDE_BY_SIDE}/{name}.png"), pictures)?;
+                Ok(vec![pictures, png(format!("{SIDE_BY_SIDE}/{name}{MAPS}.png"), maps)?])
+            }
+            Drawing::Kernels { of, pipeline, file } => {
+                let sheet = kernels::sheet(of.camera, of.label, pipeline)?;
+                Ok(vec![png(format!("{file}-kernels.png"), sheet)?])
+            }
+        }
     }
 
     /// The reference of a scene in one light and the pictures of all contenders beside it.

@@ -57,6 +57,9 @@ export function setUpWork(engine, wanted, seen, results) {
   /** @type {Last<Float32Array>} */ const pinMap = new Last();
   /** @type {Last<number>} */ const pinClipping = new Last();
   /** @type {Last<Scores>} */ const pinFigures = new Last();
+  let showFirst = () => {};
+  /** Resolves with the first picture, or when there is none. @type {Promise<void>} */
+  const firstShown = new Promise((resolve) => { showFirst = resolve; });
   /** Loops at work. @type {Set<Loop>} */
   const busy = new Set();
 
@@ -80,6 +83,7 @@ export function setUpWork(engine, wanted, seen, results) {
         done[name] = mine;
         if (done.pictures === done.figures) results.done();
       } catch (error) {
+        if (name === "pictures") showFirst();
         if (!isOld()) results.failed(name, error);
       }
     }
@@ -113,6 +117,7 @@ export function setUpWork(engine, wanted, seen, results) {
     if (!first) return false;
     results.worked("pictures");
     results.picture(first, now);
+    showFirst();
     const pinKey = JSON.stringify([pinned, scene, luminance]);
     if (!pinPicture.has(pinKey)) results.pinned(undefined, now);
     const showPin = async () => {
@@ -154,6 +159,8 @@ export function setUpWork(engine, wanted, seen, results) {
     const now = wanted();
     const { camera, pinned, luminance, family } = now;
     results.curves(await engine.curves(withAllFilters(camera)), now);
+    // The first picture comes before figures and their light, which use the same processors.
+    await Promise.race([firstShown, renewed]);
     if (isOld()) return false;
     const waiting = [camera, pinned].filter((design) => design && !engine.hasLight(design, ["statistics"]));
     if (waiting.length > 0) {

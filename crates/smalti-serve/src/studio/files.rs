@@ -1,7 +1,6 @@
 //! The files of the studio.
 
-use std::borrow::Cow;
-
+use axum::body::Bytes;
 use serde_json::json;
 use smalti::design::live::LiveFamily;
 use smalti_io::studio::StudioAsset;
@@ -19,16 +18,26 @@ const OFFER: &str = "server.json";
 /// The folder of the simulator and its data.
 const ENGINE: &str = "engine";
 
+/// The path of a file in the folder of the simulator.
+pub(super) fn of_engine(name: &str) -> String {
+    format!("{ENGINE}/{name}")
+}
+
 /// A file of the page.
 #[derive(Debug, Clone)]
 pub struct PageFile {
     /// Its path relative to the page, with `/` between folders.
     pub path: String,
     /// Its content.
-    pub content: Cow<'static, [u8]>,
+    pub content: Bytes,
 }
 
 impl PageFile {
+    /// A file in the folder of the simulator.
+    pub(super) fn of_engine(asset: StudioAsset) -> Self {
+        Self { path: of_engine(&asset.name), content: asset.bytes.into() }
+    }
+
     /// Its media type, which follows from its extension.
     pub(super) fn media_type(&self) -> &'static str {
         match self.path.rsplit_once('.').map_or("", |(_, extension)| extension) {
@@ -111,13 +120,14 @@ pub struct Opening {
     pub family: Option<LiveFamily>,
 }
 
-/// All files of the page. `assets` is the light of its scenes behind the lens of its camera. `is_served` says that a server with
-/// [`routes`](super::routes) stands behind it.
+/// The files of the page. `assets` are the light of its scenes behind the lens of its camera, and what the page gathers other light from. `is_served` says
+/// that a server with [`routes`](super::routes) stands behind it.
 #[must_use]
 pub fn files(opening: &Opening, assets: Vec<StudioAsset>, is_served: bool) -> Vec<PageFile> {
     let pinned = opening.pinned.as_deref();
-    let embedded = EMBEDDED.iter().map(|&(path, content)| (path.to_owned(), Cow::Borrowed(content)));
-    let camera = |path: &str, text: &str| (path.to_owned(), Cow::Owned(text.as_bytes().to_vec()));
+    let file = |path: &str, content: Bytes| PageFile { path: path.to_owned(), content };
+    let embedded = EMBEDDED.iter().map(|&(path, content)| file(path, Bytes::from_static(content)));
+    let camera = |path: &str, text: &str| file(path, text.to_owned().into());
     let cameras =
         std::iter::once(camera(START, &opening.camera)).chain(pinned.map(|text| camera(PINNED, text)));
     let offer = json!({
@@ -127,15 +137,12 @@ pub fn files(opening: &Opening, assets: Vec<StudioAsset>, is_served: bool) -> Ve
         "version": env!("CARGO_PKG_VERSION"),
         "family": opening.family,
     });
-    let offer = (OFFER.to_owned(), Cow::Owned(offer.to_string().into_bytes()));
-    let module = (format!("{ENGINE}/studio.wasm.deflate"), Cow::Borrowed(MODULE));
-    let assets =
-        assets.into_iter().map(|asset| (format!("{ENGINE}/{}", asset.name), Cow::Owned(asset.bytes)));
+    let offer = file(OFFER, offer.to_string().into());
+    let module = file(&of_engine("studio.wasm.deflate"), Bytes::from_static(MODULE));
     embedded
         .chain(cameras)
         .chain([offer, module])
-        .chain(assets)
-        .map(|(path, content)| PageFile { path, content })
+        .chain(assets.into_iter().map(PageFile::of_engine))
         .collect()
 }
 

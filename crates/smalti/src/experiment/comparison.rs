@@ -6,6 +6,7 @@ use super::contender::{Contender, ScoredScene, score_integrated};
 use super::error::StageContext;
 use super::outcome::Outcome;
 use super::progress::ensure_running;
+use super::side_by_side::{is_small, side_by_side};
 use super::verdict::{LIGHT_METRIC, QualityAtMoreLight, Scores, Verdict};
 use super::{
     ComparedPictures, ExperimentError, ExposurePlan, ExposurePolicy, Processing, Progress, Resources,
@@ -89,23 +90,31 @@ pub fn compare(
     let pictures = settings.pictures(&setups);
     let exposure = ExposurePlan::new(settings.exposure, &cameras, pictures, resources)?;
     let explained = |c: &Contender<'_>, e: ExperimentError| exposure.explained(c.label, e);
-    let mut outcomes = Vec::with_capacity(contenders.len());
-    for contender in contenders {
+    // Targets are small.
+    let mut outcomes = side_by_side(contenders, true, |contender| {
         let at = |light: usize| {
             let (targets, edge) = targets(contender, light, settings, &exposure, resources)?;
             let luminance_cd_m2 = settings.luminances_cd_m2[light];
             Ok(Outcome { luminance_cd_m2, targets, edge, scenes: Vec::new() })
         };
-        let found = (0..lights).map(at).collect::<Result<Vec<_>, _>>();
-        outcomes.push(found.map_err(|e| explained(contender, e))?);
-    }
+        side_by_side(0..lights, true, at).map_err(|e| explained(contender, e))
+    })?;
     for (scene, first) in setups.iter().enumerate() {
+        let name = settings.scenes[scene].name();
         let mut last = first.clone();
-        for (contender, outcomes) in contenders.iter().zip(&mut outcomes) {
-            last = image(contender, scene, settings, Some(&last), resources)?;
-            let scored = scene_scores(contender, (scene, &last), settings, &exposure, resources.progress);
-            let name = settings.scenes[scene].name();
-            for (outcome, scored) in outcomes.iter_mut().zip(scored.map_err(|e| explained(contender, e))?) {
+        let at_once = if is_small(first) { contenders.len() } else { 1 };
+        for (contenders, outcomes) in contenders.chunks(at_once).zip(outcomes.chunks_mut(at_once)) {
+            let mut imaged = Vec::with_capacity(at_once);
+            for contender in contenders {
+                last = image(contender, scene, settings, Some(&last), resources)?;
+                imaged.push((contender, last.clone()));
+            }
+            let scored = side_by_side(imaged, true, |(contender, setup)| {
+                let scored =
+                    scene_scores(contender, (scene, &setup), settings, &exposure, resources.progress);
+                scored.map_err(|e| explained(contender, e))
+            })?;
+            for (outcome, scored) in outcomes.iter_mut().flatten().zip(scored.into_iter().flatten()) {
                 outcome.scenes.push((name.to_owned(), scored));
             }
         }
@@ -153,6 +162,7 @@ fn verdict(
         let outcome = outcomes.get(contender).and_then(|o| o.get(light));
         outcome.map_or_else(Vec::new, |o| o.figures(LIGHT_METRIC))
     };
+    let are_small = first.iter().all(is_small);
     // The scenes on the camera of one contender at a time.
     let mut integrated: Option<(usize, Vec<IntegratedScene>)> = None;
     let more_light = |number: usize, best: usize, light: usize| -> Result<_, ExperimentError> {
@@ -160,8 +170,8 @@ fn verdict(
         let luminance_cd_m2 = settings.luminances_cd_m2[light];
         progress.begin(&format!("{} at more than {luminance_cd_m2} cd/m²", contender.name()));
         if integrated.as_ref().is_none_or(|(of, _)| *of != number) {
-            let imaged = imaged(contender, settings, &first, resources)?.into_iter();
-            let scenes = imaged.map(IntegratedScene::new).collect::<Result<_, _>>();
+            let imaged = imaged(contender, settings, &first, resources)?;
+            let scenes = side_by_side(imaged, are_small, IntegratedScene::new);
             integrated = Some((number, scenes.in_context(|| contender.name())?));
         }
         let scenes = integrated.as_ref().map_or(&[][..], |(_, scenes)| scenes);
@@ -176,7 +186,7 @@ fn verdict(
                 };
                 scored().in_context(|| contender.name())
             };
-            Ok(scenes.iter().enumerate().map(on_scene).collect::<Result<Vec<_>, _>>()?.concat())
+            Ok(side_by_side(scenes.iter().enumerate(), are_small, on_scene)?.concat())
         };
         let (own, target) = (cpsnr_db(number, light), cpsnr_db(best, light));
         QualityAtMoreLight::measure(&own, &target, scores.resamples(), quality)
@@ -192,7 +202,8 @@ pub(super) fn imaged(
     resources: Resources<'_>,
 ) -> Result<Vec<Setup>, ExperimentError> {
     let on_camera = |scene: usize| image(contender, scene, settings, others.get(scene), resources);
-    (0..settings.scenes.len()).map(on_camera).collect()
+    let are_small = !others.is_empty() && others.iter().all(is_small);
+    side_by_side(0..settings.scenes.len(), are_small, on_camera)
 }
 
 /// A scene on the camera of a contender, with the optical image of another camera if possible.
@@ -257,5 +268,5 @@ pub(super) fn scene_scores(
         progress.done();
         Ok(scored)
     };
-    settings.luminances_cd_m2.iter().enumerate().map(at).collect()
+    side_by_side(settings.luminances_cd_m2.iter().enumerate(), is_small(setup), at)
 }

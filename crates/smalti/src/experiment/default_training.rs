@@ -7,6 +7,7 @@ use super::error::StageContext;
 use super::learning::{TrainingRecord, solve};
 use super::material::{TrainingMaterial, first_light};
 use super::progress::ensure_running;
+use super::side_by_side::side_by_side;
 use super::training_statistics::{WhiteIn, ensure_mosaic, fresh_statistics, second_stage};
 use super::{ExperimentError, Resources};
 use crate::camera::stable_text::stable_text;
@@ -15,6 +16,7 @@ use crate::camera::{
     TrainingScene, TrainingSettings, training_reflectances, training_scenes,
 };
 use crate::l3::{self, Learner, Pipeline, Quality, Statistics, Training};
+use crate::optics::OpticalImage;
 use crate::scene::Scene;
 use crate::sensor::{Channel, ElectronRates};
 use crate::spectrum::{Illuminant, Spectrum};
@@ -108,15 +110,20 @@ pub fn learn_default(
     for g in gathered.iter().filter(|g| g.is_new) {
         resources.store.keep_statistics(&g.key, &g.gathering.learner);
     }
-    let mut solved = Vec::with_capacity(gathered.len());
-    for Gathered { gathering: Gathering { of, learner }, light, key, .. } in gathered {
-        let names =
-            TrainingMaterial::DefaultSet(std::slice::from_ref(of.light), resources.training_scenes).names();
-        let record = TrainingRecord::new(of.camera, settings, names);
-        let pipeline = solve(&learner, training, Some(&record)).map_err(|e| e.of_camera(of.label))?;
-        let key = stable_text(&(l3::REFINEMENT_REVISION, key, training)).in_context(|| "learning".into())?;
-        solved.push(FirstStage { of, light, pipeline, key });
-    }
+    let solved = side_by_side(
+        gathered,
+        true,
+        |Gathered { gathering: Gathering { of, learner }, light, key, .. }| {
+            let names =
+                TrainingMaterial::DefaultSet(std::slice::from_ref(of.light), resources.training_scenes)
+                    .names();
+            let record = TrainingRecord::new(of.camera, settings, names);
+            let pipeline = solve(&learner, training, Some(&record)).map_err(|e| e.of_camera(of.label))?;
+            let key =
+                stable_text(&(l3::REFINEMENT_REVISION, key, training)).in_context(|| "learning".into())?;
+            Ok::<_, ExperimentError>(FirstStage { of, light, pipeline, key })
+        },
+    )?;
     match training.quality {
         Quality::Fast => Ok(solved.into_iter().map(|first| first.pipeline).collect()),
         Quality::Best => refined(solved, settings, resources),
@@ -148,9 +155,10 @@ fn refined(
         gathered.push(Gathering { of: *of, learner });
     }
     add_default_set(gathered.iter_mut().collect(), settings, resources)?;
-    for ((first, both), Gathering { of, learner }) in missing.into_iter().zip(gathered) {
-        let solved = learner.solve().in_context(|| "learning".into());
-        let solved = solved.map_err(|e: ExperimentError| e.of_camera(of.label))?;
+    let solved = side_by_side(gathered, true, |Gathering { of, learner }| {
+        learner.solve().in_context(|| "learning".into()).map_err(|e: ExperimentError| e.of_camera(of.label))
+    })?;
+    for ((first, both), solved) in missing.into_iter().zip(solved) {
         resources.store.keep_pipeline(&first.key, &solved);
         *both = Some(solved);
     }
@@ -195,24 +203,38 @@ fn add_default_set<L: Learner>(
         progress.expect(scenes.len() as u64);
         let reflectances =
             training_reflectances(first.camera.grid()).in_context(|| first.label.to_owned())?;
+        let prepared = |scene: &TrainingScene| {
+            let failed = |e: ExperimentError| e.of_camera(first.label);
+            let built = scene.build(first.camera, &reflectances, stored);
+            let built = built.in_context(|| format!("scene {}", scene.content)).map_err(failed)?;
+            let shared =
+                || first.camera.optics.image(&built).in_context(|| format!("scene {}", scene.content));
+            let image = if settings.has_own_images() { None } else { Some(shared().map_err(failed)?) };
+            Ok::<_, ExperimentError>((built, image))
+        };
+        let mut next = scenes.first().map(prepared);
         for (item, scene) in (0..).zip(&scenes) {
             ensure_running(progress)?;
             let of = if count == 1 { first.label.to_owned() } else { format!("{count} pipelines") };
             progress.begin(&format!("training {of}: {}", scene.content.name()));
-            let built = scene.build(first.camera, &reflectances, stored);
-            let built = built.in_context(|| format!("scene {}", scene.content));
-            let built = built.map_err(|e| e.of_camera(first.label))?;
-            add_scene(group, (scene, &built), settings, item)?;
+            let Some(current) = next.transpose()? else { break };
+            // One scene is prepared while another is learned from: each has parts that use one thread.
+            let (added, following) = rayon::join(
+                || add_scene(group, (scene, &current), settings, item),
+                || scenes.get(item as usize + 1).map(prepared),
+            );
+            added?;
+            next = following;
             progress.done();
         }
     }
     Ok(())
 }
 
-/// Adds a scene that was built under the light of the set's scene to all trainings, which share its optical image.
+/// Adds a scene that was built under the light of the set's scene to all trainings, with the optical image that they share, if they do.
 fn add_scene<L: Learner>(
     group: &mut [&mut Gathering<'_, L>],
-    (scene, built): (&TrainingScene, &Scene),
+    (scene, (built, image)): (&TrainingScene, &(Scene, Option<OpticalImage>)),
     settings: &TrainingSettings,
     item: u64,
 ) -> Result<(), ExperimentError> {
@@ -221,7 +243,7 @@ fn add_scene<L: Learner>(
     };
     let Some(first) = group.first().map(|g| g.of) else { return Ok(()) };
     group.iter_mut().for_each(|g| g.learner.weigh(scene.content.times()));
-    if settings.has_own_images() {
+    let Some(image) = image else {
         return group.par_iter_mut().try_for_each(|g| {
             let relit =
                 g.of.light_instead_of(&scene.light).map(|light| built.clone().relit(light)).transpose();
@@ -229,15 +251,14 @@ fn add_scene<L: Learner>(
             let added = g.of.camera.train_on(&mut g.learner, relit.as_ref().unwrap_or(built), settings, item);
             added.map_err(|e| failed(e, &g.of))
         });
-    }
-    let image = first.camera.optics.image(built).map_err(|e| failed(e.into(), &first))?;
+    };
     let stand = |g: &&mut Gathering<'_, L>| {
         let stand = g.of.camera.stand(built, g.of.light_instead_of(&scene.light), settings);
         stand.map_err(|e| failed(e, &g.of))
     };
     let stands = group.iter().map(stand).collect::<Result<Vec<_>, _>>()?;
     let sensors: Vec<_> = stands.iter().map(Stand::sensors).collect();
-    let rates = ElectronRates::of_all(&sensors, &image).map_err(|e| failed(e.into(), &first))?;
+    let rates = ElectronRates::of_all(&sensors, image).map_err(|e| failed(e.into(), &first))?;
     let learning = group.par_iter_mut().zip(&stands).zip(&rates);
     learning.try_for_each(|((g, stand), rates)| {
         stand.learn(&mut g.learner, rates, settings, item).map_err(|e| failed(e, &g.of))
@@ -275,7 +296,8 @@ mod tests {
         let statistics = |scene: &TrainingScene| {
             let built = scene.build(&camera, &reflectances, &NoStoredScenes).unwrap();
             let mut gathering = gathering(&camera, &Illuminant::A, &settings);
-            add_scene(&mut [&mut gathering], (scene, &built), &settings, 7).unwrap();
+            let image = camera.optics.image(&built).unwrap();
+            add_scene(&mut [&mut gathering], (scene, &(built, Some(image))), &settings, 7).unwrap();
             gathering.learner
         };
         let (direct, relit) = (statistics(&a), statistics(&d65));

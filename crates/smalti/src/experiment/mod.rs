@@ -34,6 +34,7 @@ mod proof;
 mod rating;
 mod rating_analysis;
 mod robustness;
+mod side_by_side;
 mod simulation;
 mod store;
 mod sweep;
