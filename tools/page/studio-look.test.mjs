@@ -193,6 +193,13 @@ test("a picture does not remove the message about the figures", async () => {
   await close();
 });
 
+test("the page says why it has no first picture, and shows the figures that need none", async () => {
+  const failed = (p) => p.route("**/training.bin", (route) => route.fulfill({ status: 500, body: "the lens has no image" }));
+  const { page, close } = await open({}, undefined, failed, (p) => p.locator("#message[data-kind=trouble]", { hasText: "the lens has no image" }).waitFor());
+  await page.waitForFunction(() => [...document.querySelectorAll(".tile")].some((tile) => tile.textContent.includes("Vora") && /\d/.test(tile.querySelector(".value").textContent)));
+  await close();
+});
+
 test("a pinned picture of other conditions is not shown", async () => {
   const { page, faults, close } = await open();
   await page.getByRole("radio", { name: "Filter B" }).click();

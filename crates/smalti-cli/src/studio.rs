@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use anyhow::{Context, anyhow, bail};
+use anyhow::{Context, bail};
 use clap::Args;
 use serde::Deserialize;
 use serde_json::{Value, json};
@@ -16,7 +16,7 @@ use smalti::experiment::Silent;
 use smalti_io::cache::Cache;
 use smalti_io::cameras::LoadedCamera;
 use smalti_io::dataset::Dataset;
-use smalti_io::studio::{Extent, StudioAsset};
+use smalti_io::studio::{Extent, StudioAsset, StudioAssetError};
 use smalti_io::sweeps::{read_results, read_trials};
 use smalti_io::{TomlSource, cameras, designs, studies, text, write};
 use smalti_report::study::{Report, ReportSettings, Results, camera_toml};
@@ -94,16 +94,10 @@ pub(crate) fn run(args: &Studio, common: &Common) -> anyhow::Result<()> {
     let (bare, late) = (bare(&camera)?, LateFiles::default());
     let kept = cache.studio_assets(&key(&bare)?);
     let is_kept = kept.is_some();
-    let first = if let Some(kept) = kept {
-        late.set(kept);
-        None
-    } else {
-        Some(smalti_io::studio::manifest(&bare, Extent::First))
-    };
-    let files = studio::files(&opening, with_sources(first), true);
-    let address = server.url();
+    let manifest = kept.is_none().then(|| smalti_io::studio::manifest(&bare, Extent::First));
+    let files = studio::files(&opening, with_sources(manifest), true);
     let routes = studio::routes(files, late.clone(), Native::new(cache.clone()));
-    let serving = std::thread::spawn(move || server.run(routes));
+    let address = server.url();
     if args.json {
         crate::output::print_document(&format!("{}\n", json!({"address": address})))?;
     } else {
@@ -113,15 +107,26 @@ pub(crate) fn run(args: &Studio, common: &Common) -> anyhow::Result<()> {
         }
         note("Ctrl-C ends the server", common);
     }
-    if !is_kept {
-        // The page loads meanwhile.
-        late.set(gathered(&bare, Extent::First, common)?);
-        if !args.no_cache {
-            std::thread::sleep(LATER);
-            keep_all(&bare, &cache);
-        }
+    if let Some(kept) = kept {
+        late.set(Ok(kept));
     }
-    serving.join().map_err(|_| anyhow!("the server failed"))?.map_err(Into::into)
+    if !is_kept {
+        let (common, keeps) = (common.clone(), !args.no_cache);
+        std::thread::spawn(move || {
+            // The page loads meanwhile.
+            let light =
+                gathered(&common, |progress| smalti_io::studio::light_files(&bare, Extent::First, progress));
+            if let Err(error) = &light {
+                crate::output::error(error.as_ref(), "");
+            }
+            late.set(light.map_err(|error| format!("{error:#}")));
+            if keeps {
+                std::thread::sleep(LATER);
+                keep_all(&bare, &cache);
+            }
+        });
+    }
+    Ok(server.run(routes)?)
 }
 
 /// Opens the page in a browser through a file that leads to it: the command line of a browser, which other accounts can read, must not have the token.
@@ -164,10 +169,13 @@ fn key(bare: &Camera) -> anyhow::Result<String> {
     Ok(serde_json::to_string(bare.description())?)
 }
 
-/// The light of a bare camera, without its manifest.
-fn gathered(bare: &Camera, extent: Extent, common: &Common) -> anyhow::Result<Vec<StudioAsset>> {
+/// Gathers light with a progress bar.
+fn gathered(
+    common: &Common,
+    gather: impl FnOnce(&Progress) -> Result<Vec<StudioAsset>, StudioAssetError>,
+) -> anyhow::Result<Vec<StudioAsset>> {
     let progress = Progress::new(0, common.quiet);
-    let light = smalti_io::studio::light(bare, extent, &progress)?;
+    let light = gather(&progress)?;
     progress.finish();
     Ok(light)
 }
@@ -178,8 +186,7 @@ fn all_light(bare: &Camera, cache: &Cache, common: &Common) -> anyhow::Result<Ve
     if let Some(light) = cache.studio_assets(&key) {
         return Ok(light);
     }
-    let manifest = smalti_io::studio::manifest(bare, Extent::All);
-    let light: Vec<_> = std::iter::once(manifest).chain(gathered(bare, Extent::All, common)?).collect();
+    let light = gathered(common, |progress| smalti_io::studio::assets(bare, progress))?;
     cache.keep_studio_assets(&key, &light);
     Ok(light)
 }

@@ -38,7 +38,7 @@ pub use file::{scene_from_bytes, scene_to_bytes, training_from_bytes, training_t
 pub use lens::{TrainingFiles, scene_light, sources, statistics_of_light, training_light};
 pub use scenes::{COMPONENTS, catalogue_name};
 
-use crate::{IoError, rendered};
+use crate::{IoError, light, rendered};
 
 /// The light that pipelines are learned from.
 const TRAINING: &str = "training.bin";
@@ -62,7 +62,7 @@ pub enum Extent {
 }
 
 impl Extent {
-    /// First light is waited for and stays on this machine; all of it may be put on a web server.
+    /// The user waits for the first light, which never leaves this machine; all of the light may be put on a web server.
     fn compression(self) -> Compression {
         match self {
             Self::First => Compression::fast(),
@@ -83,12 +83,12 @@ impl Extent {
 const ILLUMINANT: Illuminant = Illuminant::D65;
 
 /// The files of the studio for the lens and the pixel geometry of a camera, in daylight (D65); the page begins with this camera. Equal arguments
-/// give equal bytes. They are [`manifest`] and [`light`](fn@light).
+/// give equal bytes. They are [`manifest`] and [`light_files`].
 ///
 /// # Errors
-/// As [`light`](fn@light).
+/// As [`light_files`].
 pub fn assets(camera: &Camera, progress: &dyn Progress) -> Result<Vec<StudioAsset>, StudioAssetError> {
-    let light = light(camera, Extent::All, progress)?;
+    let light = light_files(camera, Extent::All, progress)?;
     Ok(std::iter::once(manifest(camera, Extent::All)).chain(light).collect())
 }
 
@@ -123,11 +123,11 @@ pub fn manifest(camera: &Camera, extent: Extent) -> StudioAsset {
     StudioAsset { name: "manifest.json".into(), bytes: manifest.to_string().into_bytes() }
 }
 
-/// The files that [`manifest`] names, other than [`sources`]. Each is one step of progress.
+/// The files that [`manifest`] names, other than [`sources`]. The training scene, each scene, and each scene of the statistics is one step of progress.
 ///
 /// # Errors
 /// When the camera is invalid or its lens cannot image a scene, or when it was stopped.
-pub fn light(
+pub fn light_files(
     camera: &Camera,
     extent: Extent,
     progress: &dyn Progress,
@@ -158,7 +158,7 @@ pub fn light(
         Extent::All => {
             let stored = rendered::TrainingSet::All.stored();
             let found = statistics_of_light(camera, &ILLUMINANT, stored, progress)?;
-            let bytes = crate::light::to_bytes(&found, Path::new("statistics"))?;
+            let bytes = light::to_bytes(&found, Path::new("statistics"))?;
             Some(deflated(STATISTICS.into(), &bytes, extent)?)
         }
     };
@@ -175,4 +175,35 @@ fn deflated(name: String, bytes: &[u8], extent: Extent) -> Result<StudioAsset, I
     let bytes = encoder.write_all(bytes).and_then(|()| encoder.finish());
     let bytes = bytes.map_err(IoError::writing(Path::new(&name)))?;
     Ok(StudioAsset { name, bytes })
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use serde_json::Value;
+    use smalti::camera::CameraDescription;
+    use smalti::experiment::Silent;
+    use smalti::spectrum::WavelengthGrid;
+
+    use super::*;
+
+    /// The files of light that a manifest names.
+    fn named(manifest: &StudioAsset) -> BTreeSet<String> {
+        let manifest: Value = serde_json::from_slice(&manifest.bytes).unwrap();
+        let scenes = manifest["scenes"].as_array().unwrap().iter().map(|scene| &scene["file"]);
+        let files = scenes.chain([&manifest["training"], &manifest["statistics"]]);
+        files.filter_map(Value::as_str).map(str::to_owned).collect()
+    }
+
+    #[test]
+    fn a_manifest_names_the_files_of_its_light() {
+        let camera = Camera::new(CameraDescription::default(), WavelengthGrid::VISIBLE).unwrap();
+        let light = light_files(&camera, Extent::First, &Silent).unwrap();
+        let files: BTreeSet<String> = light.into_iter().map(|file| file.name).collect();
+        assert_eq!(named(&manifest(&camera, Extent::First)), files);
+        let all = named(&manifest(&camera, Extent::All));
+        assert!(all.is_superset(&files));
+        assert_eq!(all.len(), SCENES.len() + 2);
+    }
 }

@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 
+use rayon::prelude::*;
 use smalti::camera::SceneScores;
 use smalti::metrics::patch_means;
 use smalti::numeric::{Planes, Rect};
@@ -38,9 +39,9 @@ pub(super) fn crops(
 ) -> (Markup, usize) {
     let most = most.min(MAX_BYTES);
     let row = |(scene, name): (usize, &String)| Row::of(report, groups, scene, name);
-    let rows: Vec<Row<'_>> = scenes.iter().enumerate().filter_map(row).collect();
+    let rows: Vec<Row<'_>> = scenes.par_iter().enumerate().filter_map(row).collect();
     let encoded = |quality| -> Vec<Vec<Result<DataUri, String>>> {
-        rows.iter().map(|row| row.pictures.iter().map(|p| encode(p, quality)).collect()).collect()
+        rows.par_iter().map(|row| row.pictures.iter().map(|p| encode(p, quality)).collect()).collect()
     };
     let bytes_of =
         |uris: &[Result<DataUri, String>]| uris.iter().flatten().map(|u| u.as_str().len()).sum::<usize>();

@@ -18,10 +18,10 @@ pub const SIDE_BY_SIDE: &str = "side-by-side";
 const MAPS: &str = "-differences";
 /// Pictures in a row.
 const ACROSS: usize = 4;
-/// What is drawn at a time, which bounds the memory.
+/// The number of drawings made at a time; it bounds the memory.
 const AT_ONCE: usize = 16;
 
-/// What files show.
+/// What one or two files show.
 enum Drawing<'a> {
     /// The pictures of a scene in one light, and the maps of their differences; their name without extension.
     Pictures { light: usize, scene: usize, name: &'a str },
@@ -59,7 +59,7 @@ impl Comparison<'_> {
             part.par_iter().map(|drawing| self.drawn(drawing)).collect()
         };
         let mut parts = drawings.chunks(AT_ONCE);
-        // Most of the page is made by one thread.
+        // The page has single-threaded parts.
         let (page, mut part) = rayon::join(|| page(self), || parts.next().map(draw));
         let page = page?;
         while let Some(drawn) = part {

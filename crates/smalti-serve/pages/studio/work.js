@@ -58,7 +58,7 @@ export function setUpWork(engine, wanted, seen, results) {
   /** @type {Last<number>} */ const pinClipping = new Last();
   /** @type {Last<Scores>} */ const pinFigures = new Last();
   let showFirst = () => {};
-  /** Resolves with the first picture, or when there is none. @type {Promise<void>} */
+  /** Resolves once the first picture is shown or has failed. @type {Promise<void>} */
   const firstShown = new Promise((resolve) => { showFirst = resolve; });
   /** Loops at work. @type {Set<Loop>} */
   const busy = new Set();
@@ -159,6 +159,7 @@ export function setUpWork(engine, wanted, seen, results) {
     const now = wanted();
     const { camera, pinned, luminance, family } = now;
     results.curves(await engine.curves(withAllFilters(camera)), now);
+    if (isOld()) return false;
     // The first picture comes before figures and their light, which use the same processors.
     await Promise.race([firstShown, renewed]);
     if (isOld()) return false;

@@ -120,8 +120,8 @@ pub struct Opening {
     pub family: Option<LiveFamily>,
 }
 
-/// The files of the page. `assets` are the light of its scenes behind the lens of its camera, and what the page gathers other light from. `is_served` says
-/// that a server with [`routes`](super::routes) stands behind it.
+/// The files of the page. `assets` are the gathered light of its scenes behind the lens of its camera, and the sources of other light. `is_served` says that a
+/// server with [`routes`](super::routes) stands behind it.
 #[must_use]
 pub fn files(opening: &Opening, assets: Vec<StudioAsset>, is_served: bool) -> Vec<PageFile> {
     let pinned = opening.pinned.as_deref();

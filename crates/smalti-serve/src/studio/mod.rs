@@ -24,22 +24,30 @@ pub use native::Native;
 const POLICY: &str = "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self'; img-src 'self' blob: data:; connect-src 'self'; \
                       worker-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
-/// Files of the page that are gathered while it is served: those in the folder of the simulator that [`routes`] was not given. Requests for them wait.
+/// Files in the folder of the simulator that are still being gathered when serving begins. A request for one waits until [`set`](Self::set).
 #[derive(Debug, Clone, Default)]
-pub struct LateFiles(Arc<SetOnce<Vec<PageFile>>>);
+pub struct LateFiles(Arc<SetOnce<Result<Vec<PageFile>, String>>>);
 
 impl LateFiles {
-    /// Hands the files over that were gathered, at the first call. Requests for others in the folder are then answered by "not found".
-    pub fn set(&self, assets: Vec<StudioAsset>) {
+    /// Supplies the gathered files, or the reason why there are none, which the page shows. Only the first call has an effect. Requests for any other name in the
+    /// folder are then answered by 404.
+    pub fn set(&self, gathered: Result<Vec<StudioAsset>, String>) {
         // Only a second call fails.
-        _ = self.0.set(assets.into_iter().map(PageFile::of_engine).collect());
+        _ = self.0.set(gathered.map(|assets| assets.into_iter().map(PageFile::of_engine).collect()));
     }
 
     /// The answer to a request for a file at a path below the token.
-    async fn answer(self, path: Uri) -> Result<impl IntoResponse, StatusCode> {
+    async fn answer(self, path: Uri) -> Result<impl IntoResponse, (StatusCode, String)> {
         let is_asked = |file: &&PageFile| path.path().strip_prefix('/') == Some(&file.path);
-        let file = self.0.wait().await.iter().find(is_asked);
-        file.cloned().map(answer).ok_or(StatusCode::NOT_FOUND)
+        match self.0.wait().await {
+            Ok(files) => files
+                .iter()
+                .find(is_asked)
+                .cloned()
+                .map(answer)
+                .ok_or_else(|| (StatusCode::NOT_FOUND, String::new())),
+            Err(reason) => Err((StatusCode::INTERNAL_SERVER_ERROR, reason.clone())),
+        }
     }
 }
 

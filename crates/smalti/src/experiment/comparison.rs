@@ -4,9 +4,9 @@ use std::ops::Range;
 
 use super::contender::{Contender, ScoredScene, score_integrated};
 use super::error::StageContext;
+use super::in_parallel::{in_parallel, in_parallel_if, is_small};
 use super::outcome::Outcome;
 use super::progress::ensure_running;
-use super::side_by_side::{is_small, side_by_side};
 use super::verdict::{LIGHT_METRIC, QualityAtMoreLight, Scores, Verdict};
 use super::{
     ComparedPictures, ExperimentError, ExposurePlan, ExposurePolicy, Processing, Progress, Resources,
@@ -17,6 +17,9 @@ use crate::camera::{
 };
 use crate::metrics::esfr::EdgeSfr;
 use crate::spectrum::Illuminant;
+
+/// Contenders whose pictures of a small scene are scored at a time, which bounds the memory of their optical images.
+const CONTENDERS_AT_ONCE: usize = 4;
 
 /// Settings of a comparison.
 #[derive(Debug, Clone)]
@@ -90,26 +93,28 @@ pub fn compare(
     let pictures = settings.pictures(&setups);
     let exposure = ExposurePlan::new(settings.exposure, &cameras, pictures, resources)?;
     let explained = |c: &Contender<'_>, e: ExperimentError| exposure.explained(c.label, e);
-    // Targets are small.
-    let mut outcomes = side_by_side(contenders, true, |contender| {
+    let mut outcomes = Vec::with_capacity(contenders.len());
+    // Contenders share the optical images of the targets through the store, and so come one after another.
+    for contender in contenders {
         let at = |light: usize| {
             let (targets, edge) = targets(contender, light, settings, &exposure, resources)?;
             let luminance_cd_m2 = settings.luminances_cd_m2[light];
             Ok(Outcome { luminance_cd_m2, targets, edge, scenes: Vec::new() })
         };
-        side_by_side(0..lights, true, at).map_err(|e| explained(contender, e))
-    })?;
+        let found = (0..lights).map(at).collect::<Result<Vec<_>, _>>();
+        outcomes.push(found.map_err(|e| explained(contender, e))?);
+    }
     for (scene, first) in setups.iter().enumerate() {
         let name = settings.scenes[scene].name();
         let mut last = first.clone();
-        let at_once = if is_small(first) { contenders.len() } else { 1 };
+        let at_once = if is_small(first) { CONTENDERS_AT_ONCE } else { 1 };
         for (contenders, outcomes) in contenders.chunks(at_once).zip(outcomes.chunks_mut(at_once)) {
             let mut imaged = Vec::with_capacity(at_once);
             for contender in contenders {
                 last = image(contender, scene, settings, Some(&last), resources)?;
                 imaged.push((contender, last.clone()));
             }
-            let scored = side_by_side(imaged, true, |(contender, setup)| {
+            let scored = in_parallel(imaged, |(contender, setup)| {
                 let scored =
                     scene_scores(contender, (scene, &setup), settings, &exposure, resources.progress);
                 scored.map_err(|e| explained(contender, e))
@@ -171,7 +176,7 @@ fn verdict(
         progress.begin(&format!("{} at more than {luminance_cd_m2} cd/m²", contender.name()));
         if integrated.as_ref().is_none_or(|(of, _)| *of != number) {
             let imaged = imaged(contender, settings, &first, resources)?;
-            let scenes = side_by_side(imaged, are_small, IntegratedScene::new);
+            let scenes = in_parallel_if(are_small, imaged, IntegratedScene::new);
             integrated = Some((number, scenes.in_context(|| contender.name())?));
         }
         let scenes = integrated.as_ref().map_or(&[][..], |(_, scenes)| scenes);
@@ -186,7 +191,7 @@ fn verdict(
                 };
                 scored().in_context(|| contender.name())
             };
-            Ok(side_by_side(scenes.iter().enumerate(), are_small, on_scene)?.concat())
+            Ok(in_parallel_if(are_small, scenes.iter().enumerate(), on_scene)?.concat())
         };
         let (own, target) = (cpsnr_db(number, light), cpsnr_db(best, light));
         QualityAtMoreLight::measure(&own, &target, scores.resamples(), quality)
@@ -202,8 +207,9 @@ pub(super) fn imaged(
     resources: Resources<'_>,
 ) -> Result<Vec<Setup>, ExperimentError> {
     let on_camera = |scene: usize| image(contender, scene, settings, others.get(scene), resources);
+    // How large they are is not known before another camera has imaged them.
     let are_small = !others.is_empty() && others.iter().all(is_small);
-    side_by_side(0..settings.scenes.len(), are_small, on_camera)
+    in_parallel_if(are_small, 0..settings.scenes.len(), on_camera)
 }
 
 /// A scene on the camera of a contender, with the optical image of another camera if possible.
@@ -251,6 +257,7 @@ pub(super) fn scene_scores(
     exposure: &ExposurePlan,
     progress: &dyn Progress,
 ) -> Result<Vec<ScoredScene>, ExperimentError> {
+    ensure_running(progress)?;
     let scene = settings.scenes[number].name();
     let integrated = IntegratedScene::new(setup.clone());
     let integrated = integrated.in_context(|| format!("{}, {scene}", contender.name()))?;
@@ -268,5 +275,5 @@ pub(super) fn scene_scores(
         progress.done();
         Ok(scored)
     };
-    side_by_side(settings.luminances_cd_m2.iter().enumerate(), is_small(setup), at)
+    in_parallel_if(is_small(setup), settings.luminances_cd_m2.iter().enumerate(), at)
 }

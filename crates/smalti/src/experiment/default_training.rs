@@ -4,10 +4,10 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::error::StageContext;
+use super::in_parallel::in_parallel;
 use super::learning::{TrainingRecord, solve};
 use super::material::{TrainingMaterial, first_light};
 use super::progress::ensure_running;
-use super::side_by_side::side_by_side;
 use super::training_statistics::{WhiteIn, ensure_mosaic, fresh_statistics, second_stage};
 use super::{ExperimentError, Resources};
 use crate::camera::stable_text::stable_text;
@@ -110,10 +110,8 @@ pub fn learn_default(
     for g in gathered.iter().filter(|g| g.is_new) {
         resources.store.keep_statistics(&g.key, &g.gathering.learner);
     }
-    let solved = side_by_side(
-        gathered,
-        true,
-        |Gathered { gathering: Gathering { of, learner }, light, key, .. }| {
+    let solved =
+        in_parallel(gathered, |Gathered { gathering: Gathering { of, learner }, light, key, .. }| {
             let names =
                 TrainingMaterial::DefaultSet(std::slice::from_ref(of.light), resources.training_scenes)
                     .names();
@@ -122,8 +120,7 @@ pub fn learn_default(
             let key =
                 stable_text(&(l3::REFINEMENT_REVISION, key, training)).in_context(|| "learning".into())?;
             Ok::<_, ExperimentError>(FirstStage { of, light, pipeline, key })
-        },
-    )?;
+        })?;
     match training.quality {
         Quality::Fast => Ok(solved.into_iter().map(|first| first.pipeline).collect()),
         Quality::Best => refined(solved, settings, resources),
@@ -155,13 +152,13 @@ fn refined(
         gathered.push(Gathering { of: *of, learner });
     }
     add_default_set(gathered.iter_mut().collect(), settings, resources)?;
-    let solved = side_by_side(gathered, true, |Gathering { of, learner }| {
-        learner.solve().in_context(|| "learning".into()).map_err(|e: ExperimentError| e.of_camera(of.label))
-    })?;
-    for ((first, both), solved) in missing.into_iter().zip(solved) {
+    in_parallel(missing.into_iter().zip(gathered), |((first, both), Gathering { of, learner })| {
+        let solved = learner.solve().in_context(|| "learning".into());
+        let solved = solved.map_err(|e: ExperimentError| e.of_camera(of.label))?;
         resources.store.keep_pipeline(&first.key, &solved);
         *both = Some(solved);
-    }
+        Ok::<_, ExperimentError>(())
+    })?;
     Ok(refined.into_iter().flatten().collect())
 }
 
@@ -204,34 +201,35 @@ fn add_default_set<L: Learner>(
         let reflectances =
             training_reflectances(first.camera.grid()).in_context(|| first.label.to_owned())?;
         let prepared = |scene: &TrainingScene| {
+            ensure_running(progress)?;
             let failed = |e: ExperimentError| e.of_camera(first.label);
-            let built = scene.build(first.camera, &reflectances, stored);
-            let built = built.in_context(|| format!("scene {}", scene.content)).map_err(failed)?;
-            let shared =
-                || first.camera.optics.image(&built).in_context(|| format!("scene {}", scene.content));
-            let image = if settings.has_own_images() { None } else { Some(shared().map_err(failed)?) };
+            let context = || format!("scene {}", scene.content);
+            let built = scene.build(first.camera, &reflectances, stored).in_context(context);
+            let built = built.map_err(failed)?;
+            let shared = || first.camera.optics.image(&built).in_context(context).map_err(failed);
+            let image = (!settings.has_own_images()).then(shared).transpose()?;
             Ok::<_, ExperimentError>((built, image))
         };
-        let mut next = scenes.first().map(prepared);
-        for (item, scene) in (0..).zip(&scenes) {
+        let mut upcoming = scenes.iter().map(|scene| (scene, prepared(scene)));
+        let mut next = upcoming.next();
+        let mut item = 0;
+        while let Some((scene, ready)) = next {
             ensure_running(progress)?;
             let of = if count == 1 { first.label.to_owned() } else { format!("{count} pipelines") };
             progress.begin(&format!("training {of}: {}", scene.content.name()));
-            let Some(current) = next.transpose()? else { break };
-            // One scene is prepared while another is learned from: each has parts that use one thread.
-            let (added, following) = rayon::join(
-                || add_scene(group, (scene, &current), settings, item),
-                || scenes.get(item as usize + 1).map(prepared),
-            );
+            let ready = ready?;
+            // The next scene is prepared while the current one is learned from, because both have single-threaded parts.
+            let (added, following) =
+                rayon::join(|| add_scene(group, (scene, &ready), settings, item), || upcoming.next());
             added?;
-            next = following;
+            (next, item) = (following, item + 1);
             progress.done();
         }
     }
     Ok(())
 }
 
-/// Adds a scene that was built under the light of the set's scene to all trainings, with the optical image that they share, if they do.
+/// Adds a scene that was built under the light of the set's scene to all trainings, with their shared optical image; `None` if each makes its own.
 fn add_scene<L: Learner>(
     group: &mut [&mut Gathering<'_, L>],
     (scene, (built, image)): (&TrainingScene, &(Scene, Option<OpticalImage>)),

@@ -48,6 +48,31 @@ fn compared(cameras: &[Camera], settings: &ComparisonSettings) -> Compared {
     compare(&contenders, settings, Resources::default()).unwrap()
 }
 
+/// More contenders than are scored at a time, and of several lenses, so that not all share an optical image.
+#[test]
+fn the_number_of_threads_changes_no_score() {
+    let of = |i: u32| camera(|d| d.optics.f_number = [2.8, 4.0, 5.6][i as usize % 3]);
+    let cameras: Vec<Camera> = (0..6).map(of).collect();
+    let labels: Vec<String> = (0..6).map(|i| i.to_string()).collect();
+    let contenders: Vec<Contender<'_>> =
+        labels.iter().zip(&cameras).map(|(label, c)| Contender::as_described(c, label)).collect();
+    let figures = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let settings = settings(&[2.0, 80.0], 2);
+        let compared = pool.install(|| compare(&contenders, &settings, Resources::default())).unwrap();
+        let of = |outcome: &Outcome| {
+            let scenes = outcome.scenes.iter().map(|(name, scored)| (name.clone(), scored.by_seed.clone()));
+            scenes.collect::<Vec<_>>()
+        };
+        compared.outcomes.iter().flatten().map(of).collect::<Vec<_>>()
+    };
+    let one = figures(1);
+    assert_eq!(one, figures(4));
+    // Contender by contender: 0 and 3 are the same camera, 0 and 1 are not.
+    assert_eq!(one[..2], one[6..8]);
+    assert_ne!(one[..2], one[2..4]);
+}
+
 #[test]
 fn a_camera_ties_with_itself() {
     let cameras = [camera(|_| {}), camera(|_| {})];
