@@ -16,7 +16,7 @@ use smalti::experiment::Silent;
 use smalti_io::cache::Cache;
 use smalti_io::cameras::LoadedCamera;
 use smalti_io::dataset::Dataset;
-use smalti_io::studio::{Extent, StudioAsset, StudioAssetError};
+use smalti_io::studio::{Extent, StudioAsset};
 use smalti_io::sweeps::{read_results, read_trials};
 use smalti_io::{TomlSource, cameras, designs, studies, text, write};
 use smalti_report::study::{Report, ReportSettings, Results, camera_toml};
@@ -114,8 +114,9 @@ pub(crate) fn run(args: &Studio, common: &Common) -> anyhow::Result<()> {
         let (common, keeps) = (common.clone(), !args.no_cache);
         std::thread::spawn(move || {
             // The page loads meanwhile.
-            let light =
-                gathered(&common, |progress| smalti_io::studio::light_files(&bare, Extent::First, progress));
+            let light = gathered(&common, |progress| {
+                Ok(smalti_io::studio::light_files(&bare, Extent::First, progress)?)
+            });
             if let Err(error) = &light {
                 crate::output::error(error.as_ref(), "");
             }
@@ -172,7 +173,7 @@ fn key(bare: &Camera) -> anyhow::Result<String> {
 /// Gathers light with a progress bar.
 fn gathered(
     common: &Common,
-    gather: impl FnOnce(&Progress) -> Result<Vec<StudioAsset>, StudioAssetError>,
+    gather: impl FnOnce(&Progress) -> anyhow::Result<Vec<StudioAsset>>,
 ) -> anyhow::Result<Vec<StudioAsset>> {
     let progress = Progress::new(0, common.quiet);
     let light = gather(&progress)?;
@@ -186,7 +187,7 @@ fn all_light(bare: &Camera, cache: &Cache, common: &Common) -> anyhow::Result<Ve
     if let Some(light) = cache.studio_assets(&key) {
         return Ok(light);
     }
-    let light = gathered(common, |progress| smalti_io::studio::assets(bare, progress))?;
+    let light = gathered(common, |progress| Ok(smalti_io::studio::assets(bare, progress)?))?;
     cache.keep_studio_assets(&key, &light);
     Ok(light)
 }
