@@ -93,7 +93,6 @@ pub(crate) fn run(args: &Studio, common: &Common) -> anyhow::Result<()> {
     let server = LocalServer::bind(args.port, None)?;
     let (bare, late) = (bare(&camera)?, LateFiles::default());
     let kept = cache.studio_assets(&key(&bare)?);
-    let is_kept = kept.is_some();
     let manifest = kept.is_none().then(|| smalti_io::studio::manifest(&bare, Extent::First));
     let files = studio::files(&opening, with_sources(manifest), true);
     let routes = studio::routes(files, late.clone(), Native::new(cache.clone()));
@@ -107,25 +106,25 @@ pub(crate) fn run(args: &Studio, common: &Common) -> anyhow::Result<()> {
         }
         note("Ctrl-C ends the server", common);
     }
-    if let Some(kept) = kept {
-        late.set(Ok(kept));
-    }
-    if !is_kept {
-        let (common, keeps) = (common.clone(), !args.no_cache);
-        std::thread::spawn(move || {
-            // The page loads meanwhile.
-            let light = gathered(&common, |progress| {
-                Ok(smalti_io::studio::light_files(&bare, Extent::First, progress)?)
+    match kept {
+        Some(light) => late.set(Ok(light)),
+        None => {
+            let (common, keeps) = (common.clone(), !args.no_cache);
+            std::thread::spawn(move || {
+                // The page loads meanwhile.
+                let light = gathered(&common, |progress| {
+                    Ok(smalti_io::studio::light_files(&bare, Extent::First, progress)?)
+                });
+                if let Err(error) = &light {
+                    crate::output::error(error.as_ref(), "");
+                }
+                late.set(light.map_err(|error| format!("{error:#}")));
+                if keeps {
+                    std::thread::sleep(LATER);
+                    keep_all(&bare, &cache);
+                }
             });
-            if let Err(error) = &light {
-                crate::output::error(error.as_ref(), "");
-            }
-            late.set(light.map_err(|error| format!("{error:#}")));
-            if keeps {
-                std::thread::sleep(LATER);
-                keep_all(&bare, &cache);
-            }
-        });
+        }
     }
     Ok(server.run(routes)?)
 }
