@@ -6,7 +6,7 @@ import { mkdtemp, rm } from "node:fs/promises";
 import { tmpdir } from "node:os";
 import { join, resolve } from "node:path";
 import { launch } from "./browser.mjs";
-import { settled } from "./studio.mjs";
+import { settled, stated, text } from "./studio.mjs";
 
 const [smalti = join(import.meta.dirname, "../../target/release/smalti"), starts = "6"] = process.argv.slice(2);
 const folder = await mkdtemp(join(tmpdir(), "smalti-studio-"));
@@ -34,11 +34,6 @@ async function start(cache, kept, then = async () => {}) {
   }
 }
 
-function report(kind, times) {
-  const sorted = times.map(Math.round).sort((a, b) => a - b);
-  console.log(`${kind}: median ${sorted[sorted.length >> 1]} ms of ${sorted.join(", ")}`);
-}
-
 try {
   // The browser runs before the first start.
   await (await browser.newPage()).goto("about:blank");
@@ -46,10 +41,10 @@ try {
   const first = [];
   // The rest of the light is gathered and kept a quarter of a minute after a start.
   for (const cache of caches) first.push(await start(cache, false, (page) => page.waitForTimeout(cache === caches.at(-1) ? 40_000 : 0)));
-  report("empty cache", first);
+  console.log(`empty cache: ${text(stated(first))}`);
   const later = [];
   for (const _ of caches) later.push(await start(caches.at(-1), true));
-  report("light of an earlier start", later);
+  console.log(`light of an earlier start: ${text(stated(later))}`);
 } finally {
   await browser.close();
   await rm(folder, { recursive: true });

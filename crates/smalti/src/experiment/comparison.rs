@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::contender::{Contender, ScoredScene, score_integrated};
 use super::error::StageContext;
-use super::in_parallel::{in_parallel, in_parallel_if, is_small};
+use super::order::Order;
 use super::outcome::Outcome;
 use super::progress::ensure_running;
 use super::verdict::{LIGHT_METRIC, QualityAtMoreLight, Scores, Verdict};
@@ -107,14 +107,15 @@ pub fn compare(
     for (scene, first) in setups.iter().enumerate() {
         let name = settings.scenes[scene].name();
         let mut last = first.clone();
-        let at_once = if is_small(first) { CONTENDERS_AT_ONCE } else { 1 };
+        let order = Order::of(std::slice::from_ref(first));
+        let at_once = if order == Order::Parallel { CONTENDERS_AT_ONCE } else { 1 };
         for (contenders, outcomes) in contenders.chunks(at_once).zip(outcomes.chunks_mut(at_once)) {
             let mut imaged = Vec::with_capacity(at_once);
             for contender in contenders {
                 last = image(contender, scene, settings, Some(&last), resources)?;
                 imaged.push((contender, last.clone()));
             }
-            let scored = in_parallel(imaged, |(contender, setup)| {
+            let scored = order.map(imaged, |(contender, setup)| {
                 let scored =
                     scene_scores(contender, (scene, &setup), settings, &exposure, resources.progress);
                 scored.map_err(|e| explained(contender, e))
@@ -167,7 +168,7 @@ fn verdict(
         let outcome = outcomes.get(contender).and_then(|o| o.get(light));
         outcome.map_or_else(Vec::new, |o| o.figures(LIGHT_METRIC))
     };
-    let are_small = first.iter().all(is_small);
+    let order = Order::of(&first);
     // The scenes on the camera of one contender at a time.
     let mut integrated: Option<(usize, Vec<IntegratedScene>)> = None;
     let more_light = |number: usize, best: usize, light: usize| -> Result<_, ExperimentError> {
@@ -176,7 +177,7 @@ fn verdict(
         progress.begin(&format!("{} at more than {luminance_cd_m2} cd/m²", contender.name()));
         if integrated.as_ref().is_none_or(|(of, _)| *of != number) {
             let imaged = imaged(contender, settings, &first, resources)?;
-            let scenes = in_parallel_if(are_small, imaged, IntegratedScene::new);
+            let scenes = order.map(imaged, IntegratedScene::new);
             integrated = Some((number, scenes.in_context(|| contender.name())?));
         }
         let scenes = integrated.as_ref().map_or(&[][..], |(_, scenes)| scenes);
@@ -191,7 +192,7 @@ fn verdict(
                 };
                 scored().in_context(|| contender.name())
             };
-            Ok(in_parallel_if(are_small, scenes.iter().enumerate(), on_scene)?.concat())
+            Ok(order.map(scenes.iter().enumerate(), on_scene)?.concat())
         };
         let (own, target) = (cpsnr_db(number, light), cpsnr_db(best, light));
         QualityAtMoreLight::measure(&own, &target, scores.resamples(), quality)
@@ -207,9 +208,7 @@ pub(super) fn imaged(
     resources: Resources<'_>,
 ) -> Result<Vec<Setup>, ExperimentError> {
     let on_camera = |scene: usize| image(contender, scene, settings, others.get(scene), resources);
-    // How large they are is not known before another camera has imaged them.
-    let are_small = !others.is_empty() && others.iter().all(is_small);
-    in_parallel_if(are_small, 0..settings.scenes.len(), on_camera)
+    Order::of(others).map(0..settings.scenes.len(), on_camera)
 }
 
 /// A scene on the camera of a contender, with the optical image of another camera if possible.
@@ -275,5 +274,5 @@ pub(super) fn scene_scores(
         progress.done();
         Ok(scored)
     };
-    in_parallel_if(is_small(setup), settings.luminances_cd_m2.iter().enumerate(), at)
+    Order::of(std::slice::from_ref(setup)).map(settings.luminances_cd_m2.iter().enumerate(), at)
 }

@@ -4,9 +4,9 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::error::StageContext;
-use super::in_parallel::in_parallel;
 use super::learning::{TrainingRecord, solve};
 use super::material::{TrainingMaterial, first_light};
+use super::order::Order;
 use super::progress::ensure_running;
 use super::training_statistics::{WhiteIn, ensure_mosaic, fresh_statistics, second_stage};
 use super::{ExperimentError, Resources};
@@ -110,8 +110,9 @@ pub fn learn_default(
     for g in gathered.iter().filter(|g| g.is_new) {
         resources.store.keep_statistics(&g.key, &g.gathering.learner);
     }
-    let solved =
-        in_parallel(gathered, |Gathered { gathering: Gathering { of, learner }, light, key, .. }| {
+    let solved = Order::Parallel.map(
+        gathered,
+        |Gathered { gathering: Gathering { of, learner }, light, key, .. }| {
             let names =
                 TrainingMaterial::DefaultSet(std::slice::from_ref(of.light), resources.training_scenes)
                     .names();
@@ -120,7 +121,8 @@ pub fn learn_default(
             let key =
                 stable_text(&(l3::REFINEMENT_REVISION, key, training)).in_context(|| "learning".into())?;
             Ok::<_, ExperimentError>(FirstStage { of, light, pipeline, key })
-        })?;
+        },
+    )?;
     match training.quality {
         Quality::Fast => Ok(solved.into_iter().map(|first| first.pipeline).collect()),
         Quality::Best => refined(solved, settings, resources),
@@ -152,13 +154,16 @@ fn refined(
         gathered.push(Gathering { of: *of, learner });
     }
     add_default_set(gathered.iter_mut().collect(), settings, resources)?;
-    in_parallel(missing.into_iter().zip(gathered), |((first, both), Gathering { of, learner })| {
-        let solved = learner.solve().in_context(|| "learning".into());
-        let solved = solved.map_err(|e: ExperimentError| e.of_camera(of.label))?;
-        resources.store.keep_pipeline(&first.key, &solved);
-        *both = Some(solved);
-        Ok::<_, ExperimentError>(())
-    })?;
+    Order::Parallel.map(
+        missing.into_iter().zip(gathered),
+        |((first, both), Gathering { of, learner })| {
+            let solved = learner.solve().in_context(|| "learning".into());
+            let solved = solved.map_err(|e: ExperimentError| e.of_camera(of.label))?;
+            resources.store.keep_pipeline(&first.key, &solved);
+            *both = Some(solved);
+            Ok::<_, ExperimentError>(())
+        },
+    )?;
     Ok(refined.into_iter().flatten().collect())
 }
 
