@@ -190,5 +190,8 @@ mod tests {
         let all =
             [Deviation::NONE, Deviation::shift(-5.0), Deviation::thickness(1.05)].map(|d| d.to_string());
         assert_eq!(all, ["as designed", "−5 nm", "thickness +5 %"]);
+        let both = [(0.95, 2.5), (1.1, -0.25)].map(|(thickness, shift_nm)| Deviation { thickness, shift_nm });
+        let both = both.map(|d| d.to_string());
+        assert_eq!(both, ["+2.5 nm, thickness −5 %", "−0.25 nm, thickness +10 %"]);
     }
 }

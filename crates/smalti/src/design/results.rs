@@ -68,3 +68,39 @@ impl StudyResults {
         self.columns.iter().find(|c| c.name == name)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::study::tests::study;
+    use super::*;
+
+    #[test]
+    fn columns_are_found_by_their_names() {
+        let column = |name: &str, values| ResultColumn {
+            name: name.into(),
+            unit: String::new(),
+            doc: String::new(),
+            values,
+        };
+        let columns = vec![
+            column("trial", ColumnValues::Integers(vec![0, 1])),
+            column(&column_of_key("optics.f_number"), ColumnValues::Numbers(vec![2.0, 4.0])),
+        ];
+        let results = StudyResults {
+            trials: Trials::new(study()).unwrap(),
+            about: String::new(),
+            study_json: String::new(),
+            is_built_in: false,
+            smalti_version: String::new(),
+            plan_blake3: String::new(),
+            origin: String::new(),
+            parts: 1,
+            parts_missing: 0,
+            numbers: vec![0, 1],
+            columns: columns.clone(),
+        };
+        assert_eq!(results.column("trial"), Some(&columns[0]));
+        assert_eq!(results.column("optics_f_number"), Some(&columns[1]));
+        assert_eq!(results.column("optics.f_number"), None);
+    }
+}

@@ -118,3 +118,52 @@ impl SceneTarget {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::spectrum::{Illuminant, WavelengthGrid};
+
+    fn scene(name: &str) -> StudyScene {
+        StudyScene { name: name.into(), hash: None, scene: None }
+    }
+
+    #[test]
+    fn short_names_have_no_folder_parameters_or_extension() {
+        for (name, short) in [
+            ("dead-leaves?rows=96&cols=128", "dead-leaves"),
+            ("photos/lake.hdr", "lake"),
+            (r"C:\photos\lake.old.npz", "lake.old"),
+            ("macbeth", "macbeth"),
+            ("folder.d/lake", "lake"),
+            ("photos/.hidden", ".hidden"),
+            ("chart?file=a/b.csv", "chart"),
+        ] {
+            assert_eq!(scene(name).short_name(), short);
+        }
+    }
+
+    /// A built-in scene is built, a file is relit, and a file that was not read is named. Sums are of single precision.
+    #[test]
+    fn scenes_have_the_light_of_the_setting() {
+        let setting = Setting {
+            luminance_cd_m2: 40.0,
+            illuminant: Illuminant::A,
+            grid: WavelengthGrid::new(400.0, 20.0, 16).unwrap(),
+            ..Setting::default()
+        };
+        let daylight = catalog::build_natural("macbeth?patch=4", &Setting::default()).unwrap();
+        let read =
+            StudyScene { scene: Some(Arc::new(daylight)), hash: Some("0".into()), name: "lake.npz".into() };
+        for (scene, samples_per_px) in [(scene("macbeth?patch=4"), TEST_SAMPLES_PER_PX), (read.clone(), 1)] {
+            let (built, found) = scene.build(&setting).unwrap();
+            assert_eq!((found, built.radiance().grid()), (samples_per_px, setting.grid));
+            let luminance = built.mean_luminance_cd_m2().unwrap();
+            assert!((luminance / 40.0 - 1.0).abs() < 1e-4, "{luminance}");
+        }
+        let unread = StudyScene { scene: None, ..read.clone() };
+        assert!(matches!(unread.build(&setting), Err(CameraError::Key { key, .. }) if key == "lake.npz"));
+        // The content follows from the hash.
+        assert!(unread == read && unread != scene("lake.npz"));
+    }
+}

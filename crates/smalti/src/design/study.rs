@@ -373,3 +373,56 @@ impl Trials {
         Err(beyond())
     }
 }
+
+#[cfg(test)]
+pub(super) mod tests {
+    use std::collections::BTreeSet;
+
+    use super::*;
+
+    /// Two conditions, two kinds of processing, and five sets of three and of four filters, each on one mosaic.
+    pub(in crate::design) fn study() -> Study {
+        let study: Study = serde_json::from_str(
+            r#"{
+                "name": "small", "seed": 5, "colors": [3, 4], "filter_sets": 5, "mosaic_count": null,
+                "filters": {"gaussian_grid": {"centers_nm": [430, 10, 660], "sigmas_nm": [20, 5, 55], "min_spacing_nm": 20}},
+                "mosaics": {"given": [["bc", "ab"], ["ab", "cd"]]},
+                "conditions": [], "processing": ["classic", "l3"], "metrics": [], "l3": {}
+            }"#,
+        )
+        .unwrap();
+        let condition = |luminance_cd_m2| Condition {
+            values: vec![("luminance_cd_m2".into(), ConditionValue::Number(luminance_cd_m2))],
+            luminance_cd_m2,
+            illuminant: Illuminant::D65,
+            camera: CameraDescription::default(),
+        };
+        Study { conditions: vec![condition(10.0), condition(75.0)], ..study }
+    }
+
+    /// Every combination is one trial, and what is stated of a number is what its trial has.
+    #[test]
+    fn numbers_run_over_all_combinations() {
+        let trials = Trials::new(study()).unwrap();
+        assert!(trials.len() == 2 * 2 * (5 + 5) && !trials.is_empty());
+        assert_eq!(trials.groups().collect::<Vec<_>>(), [(3, 5, 1), (4, 5, 1)]);
+        assert_eq!(trials.mosaics().count(), 2);
+        let all: Vec<Trial> = (0..trials.len()).map(|number| trials.trial(number).unwrap()).collect();
+        let mut seen = BTreeSet::new();
+        for (number, trial) in all.iter().enumerate() {
+            let Trial { condition, processing, design, .. } = trial;
+            assert_eq!(trial.number, number as u64);
+            assert!(seen.insert((*condition, *processing, design.filters.label.clone(), design.tile())));
+            assert_eq!(design.filters.filters.len(), design.mosaic.channels());
+            assert_eq!(trials.setup(trials.setup_of(trial.number)), Some((*condition, *processing)));
+            assert_eq!(trials.condition_of(trial.number), *condition);
+            let end = all.iter().position(|other| other.condition > *condition).unwrap_or(all.len());
+            assert_eq!(trials.end_of_condition(trial.number), end as u64);
+        }
+        // Conditions change least often.
+        assert!(all.windows(2).all(|w| w[0].condition <= w[1].condition) && all[39].condition == 1);
+        assert_eq!(trials.setup(4), None);
+        let beyond = DesignError::NoSuchTrial { number: 40, count: 40 };
+        assert_eq!(trials.trial(40), Err(beyond));
+    }
+}

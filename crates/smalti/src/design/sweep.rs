@@ -185,3 +185,60 @@ impl PreparedCondition {
         ScoredTrial { scores: score(), trial }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::design::filters::FilterSet;
+    use crate::design::scores::{ColorScores, SceneFigures};
+    use crate::design::study::Design;
+
+    fn error(message: &str) -> CameraError {
+        CameraError::Key { key: "key".into(), message: message.into() }
+    }
+
+    fn scored(scores: Result<Scores, CameraError>) -> ScoredTrial {
+        let filters = FilterSet { label: String::new(), filters: Vec::new() };
+        let design = Design { filters, mosaic: Mosaic::new(1, 1, vec![0]).unwrap() };
+        let trial = Trial { number: 7, condition: 0, processing: TrialProcessing::Classic, design };
+        ScoredTrial { trial, scores }
+    }
+
+    /// A trial has the values of its scores, and states each of their errors once.
+    #[test]
+    fn trials_have_the_values_and_the_errors_of_their_scores() {
+        let figures = SceneFigures {
+            cpsnr_db: 31.5,
+            pixel_delta_e_2000_mean: 2.25,
+            scielab_mean: 1.75,
+            saturated_percent: 0.0,
+        };
+        let scores = Scores {
+            sensor: None,
+            colors: Some(Ok(ColorScores { delta_e_76: 4.5, delta_e_2000: 3.5 })),
+            luminance_noise_percent: Some(Err(error("too dark"))),
+            edge: Some(Err(error("no edge"))),
+            zone_plate: Some(Err(error("too dark"))),
+            scenes: vec![Err(error("no edge")), Ok(figures)],
+            macbeth_time_s: 0.01,
+            macbeth_saturated_percent: 0.0,
+        };
+        let trial = scored(Ok(scores));
+        for (metric, scene, value) in [
+            (Metric::DeltaE76, 0, Some(4.5)),
+            (Metric::DeltaE2000, 5, Some(3.5)),
+            (Metric::Cpsnr, 1, Some(31.5)),
+            (Metric::Scielab, 1, Some(1.75)),
+            (Metric::Cpsnr, 0, None),
+            (Metric::Cpsnr, 2, None),
+            (Metric::LuminanceNoise, 0, None),
+            (Metric::VoraValue, 0, None),
+        ] {
+            assert_eq!(trial.value(metric, scene), value, "{} {scene}", metric.name());
+        }
+        assert_eq!(trial.problem(), "noise: `key`: too dark; edge: `key`: no edge");
+        let failed = scored(Err(error("no light")));
+        assert_eq!(failed.value(Metric::DeltaE76, 0), None);
+        assert_eq!(failed.problem(), "`key`: no light");
+    }
+}

@@ -61,3 +61,40 @@ fn spec(i: usize, number: u32, n: usize) -> String {
         _ => format!("frequency-sweep?rows={n}&cols={n}&contrast=0.05"),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::CameraDescription;
+    use crate::spectrum::{Illuminant, WavelengthGrid};
+
+    /// Three by three pictures, of which those at the edge are cut: each has light, and none more than white. No two are equal, and a third is in shade.
+    #[test]
+    fn pictures_cover_the_scene() {
+        let grid = WavelengthGrid::new(400.0, 20.0, 16).unwrap();
+        let camera = Camera::new(CameraDescription::default(), grid).unwrap();
+        let setting = Setting { grid, ..Setting::default() };
+        let white = Illuminant::D65.photons(grid).unwrap();
+        let px = 2 * PIECE_PX + 8;
+        let built = scene(&camera, px, 1, &white, &setting).unwrap();
+        let (n, side) = (px * SAMPLES_PER_PX, PIECE_PX * SAMPLES_PER_PX);
+        let radiance = built.radiance();
+        assert_eq!((radiance.rows(), radiance.cols(), built.illuminant()), (n, n, &white));
+        const BAND: usize = 7;
+        let plane = radiance.planes().plane(BAND).unwrap();
+        let mut means = Vec::new();
+        for i in 0..9 {
+            let (rows, cols) =
+                (i / 3 * side..n.min((i / 3 + 1) * side), i % 3 * side..n.min((i % 3 + 1) * side));
+            let count = (rows.len() * cols.len()) as f64;
+            let of_row = |row: usize| {
+                plane[row * n + cols.start..row * n + cols.end].iter().map(|v| f64::from(*v)).sum::<f64>()
+            };
+            let mean = rows.map(of_row).sum::<f64>() / count / white.values()[BAND];
+            assert!(mean > 0.01 && mean < 1.0, "{i}: {mean}");
+            assert!(i % 3 != 2 || mean < f64::from(BRIGHTNESS[2]), "{i}: {mean}");
+            assert!(!means.contains(&mean), "{i}: {means:?}");
+            means.push(mean);
+        }
+    }
+}

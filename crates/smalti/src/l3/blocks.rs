@@ -56,3 +56,47 @@ pub(super) fn add_taps<const W: usize>(total: &mut [f32; W], line: &[f32], at: u
 pub(super) fn run_of(tile_cols: usize) -> usize {
     tile_cols << (BLOCK.trailing_zeros() - tile_cols.trailing_zeros().min(BLOCK.trailing_zeros()))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// How often each column is visited.
+    struct Visits(Vec<u32>);
+
+    impl Columns for Visits {
+        fn columns<const W: usize>(&mut self, at: usize) {
+            self.0[at..at + W].iter_mut().for_each(|n| *n += 1);
+        }
+    }
+
+    #[test]
+    fn every_column_is_visited_once() {
+        for len in (0..=3 * BLOCK).step_by(LANES) {
+            let mut visits = Visits(vec![0; len]);
+            each(len, &mut visits);
+            assert!(visits.0.iter().all(|n| *n == 1), "{len}");
+        }
+    }
+
+    #[test]
+    fn a_run_is_the_shortest_of_whole_tiles_and_blocks() {
+        for tile in 1..=130 {
+            let shortest = (BLOCK..).step_by(BLOCK).find(|run| run % tile == 0);
+            assert_eq!(Some(run_of(tile)), shortest, "{tile}");
+        }
+    }
+
+    #[test]
+    fn taps_are_summed_within_the_line() {
+        let line: Vec<f32> = (0..40).map(|i| (i * i) as f32).collect();
+        let mut total = [1.0; LANES];
+        add_taps(&mut total, &line, 3, 5);
+        for (i, sum) in total.iter().enumerate() {
+            assert_eq!(*sum, 1.0 + line[3 + i..][..5].iter().sum::<f32>());
+        }
+        assert_eq!(values::<f32, LANES>(&line, 24).map(|v| v[15]), Some(39.0 * 39.0));
+        assert!(values::<f32, LANES>(&line, 25).is_none() && values::<f32, LANES>(&line, 41).is_none());
+        assert!(values_mut::<f32, LANES>(&mut [0.0; 15], 0).is_none());
+    }
+}

@@ -393,3 +393,6 @@ fn saturations(c: &Classifier, strip: &Strip<'_>, bits: &mut Vec<u32>, out: &mut
     each(bits.len(), &mut Samples { rows, from: strip.at(-half), first, run: c.run, clip, out: bits });
     each(strip.len, &mut Patches { bits, side: c.axes.side(), out });
 }
+
+#[cfg(test)]
+mod tests;

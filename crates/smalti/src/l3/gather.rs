@@ -324,7 +324,10 @@ impl Kernel for Products<'_, '_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::l3::Levels;
+    use crate::numeric::Planes;
     use crate::numeric::philox::Stream;
+    use crate::sensor::{Mosaic, RawImage, RawSamples, Sampling, SignalNoise};
 
     #[test]
     fn sorting_is_stable_for_any_range() {
@@ -336,5 +339,41 @@ mod tests {
             expected.sort_by_key(|e| e >> 32);
             assert_eq!(sorted, expected);
         }
+    }
+
+    /// The classes of this tile have numbers of more than one digit of the sort.
+    #[test]
+    fn pixels_are_sorted_by_class() {
+        let (rows, cols, phase) = (40, 70, [1, 4]);
+        let mosaic = Mosaic::new(6, 6, (0..36).map(|i| i % 5 * (i % 7) % 4).collect()).unwrap();
+        let levels = Levels::logarithmic(64, 0.05, 0.95).unwrap();
+        let axes = Axes::new(mosaic.clone(), 3, levels, SignalNoise::default()).unwrap();
+        let mut random = Stream::new(9, 0, 1);
+        let samples = RawSamples::Analog((0..rows * cols).map(|_| random.uniform() as f32).collect());
+        let names = (0..mosaic.channels()).map(|c| c.to_string()).collect();
+        let sampling = Sampling::Mosaic(mosaic.shifted(phase[0], phase[1]));
+        let raw = RawImage::new(rows, cols, samples, sampling, names, 0.0, 1.0).unwrap();
+        let target = Planes::zeros(rows, cols, 1);
+        let pair = Pair { raw: &raw, seen: None, target: &target };
+        let gatherer = Gatherer::new(&axes, 1, &pair, phase);
+        let mut seen = vec![0; rows * cols];
+        for band in gatherer.bands() {
+            for (saturation, list) in gatherer.sorted(&band).into_iter().flat_map(|part| part.by_saturation) {
+                assert!(list.is_sorted());
+                for entry in list {
+                    let pixel = entry as u32 as usize;
+                    let (row, col) = (band.start + pixel / cols, pixel % cols);
+                    seen[row * cols + col] += 1;
+                    let key = gatherer.key(saturation, entry >> 32);
+                    let position = (phase[0] + row) % 6 * 6 + (phase[1] + col) % 6;
+                    assert_eq!((key.position as usize, key.saturation), (position, saturation));
+                    let (texture, level) = (usize::from(key.texture), usize::from(key.level));
+                    assert!(texture < axes.textures().count() && level < axes.level_count());
+                }
+            }
+        }
+        // The patches of the outermost pixels do not lie within the image.
+        let inside = |i: usize| (1..rows - 1).contains(&(i / cols)) && (1..cols - 1).contains(&(i % cols));
+        assert!(seen.iter().enumerate().all(|(i, n)| *n == u32::from(inside(i))));
     }
 }

@@ -92,4 +92,25 @@ mod tests {
         let knight: Vec<u8> = (0..25).map(|i| ((i % 5 + 3 * (i / 5)) % 5) as u8).collect();
         assert_eq!(basis_of(5, 5, &knight), [[1, 2], [2, -1]]);
     }
+    /// Both pixels of a pair lie within the patch where the shift allows it; otherwise one pair is centred on it.
+    #[test]
+    fn pairs_fill_the_patch_or_surround_its_centre() {
+        let shifts = [[0, 2], [2, 0], [1, -1], [1, 2], [2, -1], [0, 8], [7, 0], [12, 5], [3, -9]];
+        for (half, shift) in (1..=5).flat_map(|half| shifts.map(|shift| (half, shift))) {
+            let pairs = ContrastPairs::new(shift, half);
+            let firsts = (pairs.rows[0]..=pairs.rows[1])
+                .flat_map(|r| (pairs.cols[0]..=pairs.cols[1]).map(move |c| [r, c]));
+            let ends: Vec<Shift> = firsts.flat_map(|[r, c]| [[r, c], [r + shift[0], c + shift[1]]]).collect();
+            let farthest = |axis: usize| ends.iter().map(|e| e[axis].unsigned_abs()).max().unwrap();
+            assert_eq!(pairs.reach(), [farthest(0), farthest(1)], "{shift:?}, {half}");
+            let mut count = 1;
+            for (axis, long) in shift.map(isize::unsigned_abs).into_iter().enumerate() {
+                let fitting = (2 * half + 1).saturating_sub(long);
+                count *= fitting.max(1);
+                let most = if fitting > 0 { half } else { long.div_ceil(2) };
+                assert!(farthest(axis) == most, "{shift:?}, {half}: {}", farthest(axis));
+            }
+            assert_eq!((pairs.count(), ends.len()), (count, 2 * count), "{shift:?}, {half}");
+        }
+    }
 }

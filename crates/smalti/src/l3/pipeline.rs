@@ -324,3 +324,106 @@ pub(crate) fn nearest_saturation(saturations: &[u32], clipped: u32) -> usize {
     let far = |mask: u32| ((mask ^ clipped).count_ones(), std::cmp::Reverse(mask.count_ones()));
     (0..saturations.len()).min_by_key(|&i| far(saturations[i])).unwrap_or(0)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::l3::Levels;
+    use crate::sensor::{Mosaic, SignalNoise};
+
+    const OUTPUTS: usize = 2;
+    const TAPS: usize = 9;
+
+    /// Four positions, three combinations of clipped channels, five levels and two textures. Weights are numbered.
+    fn parts() -> PipelineParts {
+        let mosaic = Mosaic::new(2, 2, vec![0, 1, 1, 2]).unwrap();
+        let levels = Levels::logarithmic(5, 0.02, 0.8).unwrap();
+        let classes = 4 * 3 * 5 * 2;
+        PipelineParts {
+            axes: Axes::new(mosaic, 3, levels, SignalNoise::default()).unwrap(),
+            saturations: vec![0, 1, 5],
+            outputs: ["a", "b"].map(String::from).to_vec(),
+            channel_names: ["R", "G", "B"].map(String::from).to_vec(),
+            black_level: 64.0,
+            white_level: 1023.0,
+            trained: vec![[0.0, 1.0]; 4],
+            classes: vec![Class { count: 1, origin: Origin::Learned }; classes],
+            kernels: Kernels {
+                weights: (0..classes * OUTPUTS * TAPS).map(|i| i as f32).collect(),
+                offsets: vec![0.0; classes * OUTPUTS],
+            },
+            provenance: String::new(),
+        }
+    }
+
+    #[test]
+    fn every_class_has_one_index_and_one_key() {
+        let p = Pipeline::from_parts(parts()).unwrap();
+        let mut last = None;
+        for index in 0..p.classes().len() {
+            let key = p.key(index);
+            let saturation = p.saturation_place(key.saturation);
+            let place = [key.position as usize, saturation, usize::from(key.level), usize::from(key.texture)];
+            let [position, saturation, level, texture] = place;
+            assert_eq!(p.index(position, saturation, level, texture), index, "{key:?}");
+            assert!(position < 4 && saturation < 3 && level < 5 && texture < 2, "{key:?}");
+            // Position varies slowest, texture fastest.
+            assert!(last < Some(place), "{key:?}");
+            last = Some(place);
+        }
+    }
+
+    #[test]
+    fn weights_lie_in_the_order_class_output_tap() {
+        let p = Pipeline::from_parts(parts()).unwrap();
+        let mut all = Vec::new();
+        for class in 0..p.classes().len() {
+            (0..OUTPUTS).for_each(|output| all.extend_from_slice(p.weights(class, output).unwrap()));
+        }
+        assert_eq!(all, p.kernels().weights);
+        assert_eq!((p.weights(p.classes().len(), 0), p.weights(0, OUTPUTS)), (None, None));
+    }
+
+    #[test]
+    fn the_nearest_combination_stands_for_one_that_is_not_there() {
+        let p = Pipeline::from_parts(parts()).unwrap();
+        // Red alone and red with blue are on the axis.
+        for (clipped, place) in [(0, 0), (1, 1), (5, 2), (2, 0), (3, 1), (7, 2), (4, 2)] {
+            assert_eq!(p.saturation_place(clipped), place, "{clipped:b}");
+        }
+    }
+
+    #[test]
+    fn parts_that_do_not_fit_are_refused() {
+        let changes: [fn(&mut PipelineParts); 15] = [
+            |p| p.saturations = vec![1, 2, 3],
+            |p| p.saturations = vec![0, 5, 5],
+            |p| p.saturations = vec![0, 1, 8],
+            |p| p.outputs.clear(),
+            |p| p.channel_names.truncate(2),
+            |p| p.white_level = p.black_level,
+            |p| p.black_level = f64::NAN,
+            |p| p.trained.truncate(3),
+            |p| p.trained[3][1] = f32::NAN,
+            |p| p.classes.truncate(119),
+            |p| p.kernels.weights.push(0.0),
+            |p| p.kernels.offsets.push(0.0),
+            |p| p.kernels.weights[7] = f32::INFINITY,
+            |p| p.kernels.offsets[7] = f32::NAN,
+            |p| p.saturations = vec![0, 1],
+        ];
+        for (i, change) in changes.into_iter().enumerate() {
+            let mut parts = parts();
+            change(&mut parts);
+            assert!(matches!(Pipeline::from_parts(parts), Err(L3Error::Table(_))), "{i}");
+        }
+    }
+
+    #[test]
+    fn codes_of_origins_are_their_places() {
+        for (code, origin) in (0..).zip(Origin::ALL) {
+            assert_eq!((Origin::from_code(code), origin as u8), (Some(origin), code));
+        }
+        assert_eq!(Origin::from_code(Origin::ALL.len() as u8), None);
+    }
+}

@@ -150,3 +150,49 @@ pub(super) fn trained(statistics: &Statistics, symmetry: &Symmetry) -> Vec<[f32;
     }
     symmetry.represented.iter().map(|m| by_group[m.position]).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::l3::Levels;
+    use crate::sensor::{Mosaic, SignalNoise};
+
+    #[test]
+    fn the_class_named_flat_is_flat() {
+        for textures in [Textures::None, Textures::FlatTexture, Textures::Oriented] {
+            for (texture, name) in textures.names().iter().enumerate() {
+                assert_eq!(is_flat(textures, texture), *name == "flat", "{textures:?} {name}");
+            }
+        }
+    }
+
+    #[test]
+    fn combinations_of_enough_patches_have_a_place() {
+        let counts = BTreeMap::from([(0, 80.0), (1, 15.0), (2, 4.0), (4, 1.0), (6, 0.0)]);
+        let axis = |share| saturation_axis(&counts, 100.0, share);
+        assert_eq!(axis(0.0), [0, 1, 2, 4]);
+        assert_eq!(axis(0.04), [0, 1, 2]);
+        assert_eq!(axis(0.05), [0, 1]);
+        assert_eq!(axis(0.9), [0]);
+        assert_eq!(saturation_axis(&BTreeMap::new(), 0.0, 0.0), [0]);
+    }
+
+    /// A patch around red of a Bayer mosaic occurs in eight orientations, and one around green, with red beside and blue above, in four. Edges
+    /// along rows and columns keep their direction in four of them.
+    #[test]
+    fn patches_repeat_as_often_as_their_mosaic_is_symmetric() {
+        let mosaic = Mosaic::new(2, 2, vec![0, 1, 1, 2]).unwrap();
+        let levels = Levels::new(vec![0.1]).unwrap();
+        let symmetry = Symmetry::of(&Axes::new(mosaic, 5, levels, SignalNoise::default()).unwrap());
+        let count = |position: usize, texture| {
+            let (_, members) = symmetry.groups.iter().find(|(stands, _)| *stands == position).unwrap();
+            repeats(position, members, texture, Textures::Oriented)
+        };
+        for (texture, red, green) in [(None, 8, 4), (Some(0), 8, 4), (Some(1), 8, 4), (Some(2), 4, 4)] {
+            assert_eq!((count(0, texture), count(1, texture)), (red, green), "{texture:?}");
+        }
+        // The reflections of green swap the diagonals.
+        assert_eq!((count(0, Some(3)), count(1, Some(3))), (4, 2));
+        assert_eq!(repeats(0, &[], None, Textures::None), 1);
+    }
+}

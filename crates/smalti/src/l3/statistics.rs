@@ -424,4 +424,34 @@ mod tests {
         assert!(field.add_even(&[f64::NAN, 0.0, 0.0], &target, 1).is_err());
         assert!(field.add_even(&samples, &[0.1, f64::INFINITY], 1).is_err());
     }
+    #[test]
+    fn statistics_are_their_parts() {
+        let (raw, target) = pair(40, 33, 5);
+        let mut s = Statistics::new(axes(), vec!["a".into(), "b".into()], true).unwrap();
+        s.add(&Pair { raw: &raw, seen: None, target: &target }).unwrap();
+        let of = |outputs: Vec<String>, names: &[String], levels, trained: &[[f32; 2]]| {
+            let (names, trained) = (names.to_vec(), trained.to_vec());
+            Statistics::from_parts(axes(), outputs, names, levels, true, trained, s.classes().clone())
+        };
+        let (names, levels, trained) = (s.channel_names(), s.raw_levels(), s.trained());
+        assert!(trained.iter().all(|[least, most]| least < most && least.is_finite()));
+        assert_eq!(of(s.outputs().to_vec(), names, levels, trained), Ok(s.clone()));
+        let refused = |found: Result<Statistics, L3Error>| matches!(found, Err(L3Error::Table(_)));
+        let outputs = || s.outputs().to_vec();
+        assert!(refused(of(vec!["a".into()], names, levels, trained)));
+        assert!(refused(of(outputs(), &names[1..], levels, trained)));
+        assert!(refused(of(outputs(), names, Some([64.0, 64.0]), trained)));
+        assert!(refused(of(outputs(), names, levels, &trained[1..])));
+        let off_axis = |change: fn(&mut ClassKey)| {
+            let mut key = *s.classes().keys().next().unwrap();
+            change(&mut key);
+            let classes = BTreeMap::from([(key, Moments::new(25, 2))]);
+            let (names, trained) = (names.to_vec(), trained.to_vec());
+            Statistics::from_parts(axes(), outputs(), names, levels, true, trained, classes)
+        };
+        assert!(off_axis(|_| ()).is_ok());
+        let changes: [fn(&mut ClassKey); 4] =
+            [|k| k.position = 4, |k| k.saturation = 8, |k| k.level = 4, |k| k.texture = 2];
+        assert!(changes.into_iter().all(|change| refused(off_axis(change))));
+    }
 }

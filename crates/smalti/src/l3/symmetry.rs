@@ -298,4 +298,31 @@ mod tests {
         cells[5] = 1;
         assert_eq!(Symmetry::of(&axes(256, 256, &cells)).groups.len(), 256 * 256);
     }
+    /// A tile that is stated as several of its periods has the symmetries of one, and as many more members.
+    #[test]
+    fn repeating_a_tile_changes_no_symmetry() {
+        let tiles: [(usize, usize, &[u8]); 4] = [
+            (2, 2, &[0, 1, 1, 2]),
+            (1, 3, &[0, 1, 2]),
+            (3, 3, &[0, 1, 2, 1, 2, 0, 2, 0, 1]),
+            (2, 2, &[0, 1, 2, 3]),
+        ];
+        for (rows, cols, cells) in tiles {
+            let once = Symmetry::of(&axes(rows, cols, cells));
+            for (down, across) in [(1, 2), (2, 1), (2, 3)] {
+                let wide = across * cols;
+                let repeated: Vec<u8> =
+                    (0..down * rows * wide).map(|i| cells[i / wide % rows * cols + i % cols]).collect();
+                let found = Symmetry::of(&axes(down * rows, wide, &repeated));
+                let within = |p: usize| p / wide % rows * cols + p % cols;
+                assert_eq!(found.groups.len(), once.groups.len(), "{cells:?}, {down} × {across}");
+                for ((stands, members), (alone, few)) in found.groups.iter().zip(&once.groups) {
+                    assert_eq!((within(*stands), members.len()), (*alone, down * across * few.len()));
+                }
+                for (position, member) in found.represented.iter().enumerate() {
+                    assert_eq!(within(member.position), once.represented[within(position)].position);
+                }
+            }
+        }
+    }
 }

@@ -68,4 +68,33 @@ mod tests {
         assert!(cpsnr.is_relevant(f64::NAN, 1.0) && !cpsnr.is_relevant(f64::INFINITY, f64::INFINITY));
         assert_eq!((cpsnr.to_string(), noise.to_string()), ("0.1".into(), "10 %".into()));
     }
+    /// A share of a value near 0 is nothing: what may be 0 or less, and what is near 0 for a good camera, has a limit in its own unit.
+    #[test]
+    fn metrics_that_may_be_zero_have_an_absolute_limit() {
+        let named = |name: &str| crate::metrics::CATALOG.iter().any(|m| m.name == name);
+        for (name, none, some) in [
+            ("cpsnr_db", 0.09, 0.11),
+            ("dynamic_range_db", 0.4, 0.6),
+            ("delta_e_76", 0.04, 0.06),
+            ("delta_e_94", 0.04, 0.06),
+            ("delta_e_2000", 0.04, 0.06),
+            ("scielab_mean", 0.04, 0.06),
+            ("pixel_delta_e_2000_mean", 0.04, 0.06),
+            ("pixel_delta_e_2000_p95", 0.04, 0.06),
+            ("vora_value", 0.004, 0.006),
+            ("sensitivity_metamerism_index", 0.4, 0.6),
+            ("saturated_percent", 0.09, 0.11),
+        ] {
+            let limit = smallest_relevant(name);
+            assert!(named(name), "{name}");
+            for at in [0.0, -2.0, 80.0] {
+                assert!(!limit.is_relevant(at, at + none) && limit.is_relevant(at + some, at), "{name}");
+            }
+        }
+        // All others, such as resolutions and noise, are compared by their ratio.
+        for name in ["luminance_noise_percent", "visual_snr", "aliasing_percent", "mtf50_cy_per_px"] {
+            let limit = smallest_relevant(name);
+            assert!(!limit.is_relevant(1e-3, 1.04e-3) && limit.is_relevant(1e-3, 1.11e-3), "{name}");
+        }
+    }
 }

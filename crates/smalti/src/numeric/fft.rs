@@ -468,4 +468,19 @@ mod tests {
         assert_eq!(bin_frequency(2, 5), 0.4);
         assert_eq!(bin_frequency(3, 5), -0.4);
     }
+    #[test]
+    fn fast_lengths_are_the_shortest_of_their_factors() {
+        let mut all = Vec::new();
+        for a in 1..12 {
+            for b in 0..7 {
+                all.extend((0..5).map(|c| 2usize.pow(a) * 3usize.pow(b) * 5usize.pow(c)));
+            }
+        }
+        for n in 0..2000 {
+            assert_eq!(Some(fast_len(n)), all.iter().copied().filter(|len| *len >= n).min());
+        }
+        // No plane is as long as that.
+        assert_eq!(fast_len(usize::MAX), usize::MAX);
+        assert_eq!(fast_len(usize::MAX - 2), usize::MAX - 2);
+    }
 }

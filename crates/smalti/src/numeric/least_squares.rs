@@ -310,4 +310,13 @@ mod tests {
         assert!(lstsq(m(0, 2, &[]), m(0, 1, &[])).unwrap().iter().all(|&x| x == 0.0));
         assert!(lstsq(m(usize::MAX, 2, one), m(usize::MAX, 1, one)).is_err());
     }
+    #[test]
+    fn no_columns_have_no_solution() {
+        let (a, none) = ([1.0, 2.0, 3.0, 5.0], []);
+        let empty = |rows| Matrix::new(rows, 0, &none);
+        assert_eq!(lstsq(Matrix::new(2, 2, &a), empty(2)), Ok(Vec::new()));
+        assert_eq!(lstsq(empty(4), Matrix::new(4, 1, &a)), Ok(Vec::new()));
+        let condition = Matrix::new(1, 2, &a[..2]);
+        assert_eq!(lstsq_constrained(Matrix::new(2, 2, &a), empty(2), condition, empty(1)), Ok(Vec::new()));
+    }
 }

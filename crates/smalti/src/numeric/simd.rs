@@ -139,4 +139,12 @@ mod tests {
         }));
         assert_eq!(digest, 0x942f_d4c1_05c5_5016, "{digest:#x}");
     }
+    #[cfg(target_arch = "x86_64")]
+    #[test]
+    fn tests_restrict_the_choice_of_the_machine() {
+        use std::arch::is_x86_feature_detected as has;
+        let all = [has!("avx512f"), has!("avx512bw"), has!("avx512dq"), has!("avx512vl")];
+        assert_eq!(with_widest(Set::Avx512, has_avx512), all == [true; 4]);
+        assert!(!with_widest(Set::Avx2, has_avx512) && !with_widest(Set::Plain, has_avx512));
+    }
 }

@@ -228,3 +228,28 @@ fn sample_at_percentile(
         seen.select_nth_unstable_by(rank, |a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     Ok(at)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::numeric::philox::Stream;
+
+    #[test]
+    fn the_brightest_of_a_block_is_that_of_its_photodiodes() {
+        let mut random = Stream::new(4, 2, 0);
+        for (side, rows, cols) in [(1, 3, 5), (2, 3, 4), (3, 4, 2), (4, 2, 3)] {
+            let (high, wide) = (side * rows, side * cols);
+            let data: Vec<f32> = (0..2 * high * wide).map(|_| random.uniform() as f32 - 0.5).collect();
+            let found = brightest_of_blocks(&Planes::new(high, wide, 2, data.clone()).unwrap(), side);
+            assert_eq!(found.len(), 2 * rows * cols);
+            for (i, most) in found.iter().enumerate() {
+                let (plane, row, col) = (i / (rows * cols), i / cols % rows, i % cols);
+                let values = (0..side * side).map(|k| {
+                    let (r, c) = (row * side + k / side, col * side + k % side);
+                    data[(plane * high + r) * wide + c]
+                });
+                assert_eq!(*most, values.fold(f32::MIN, f32::max), "side {side}, block {i}");
+            }
+        }
+    }
+}

@@ -455,3 +455,47 @@ proptest! {
         prop_assert!(s.validate().is_ok());
     }
 }
+
+/// Each reading ends at the last number of the converter, which lies below the swing by the black level, before the mean is taken.
+#[test]
+fn readings_are_limited_before_their_mean() {
+    let mut s = binned(2, DIGITAL, 1);
+    (s.pixel.fill_factor, s.pixel.full_well_e) = (1.0, 1e6);
+    s.adc = Adc { bits: 12, black_level_dn: 1024.0 };
+    let per_electron = 1.0 / (310.0 * 2.8e-6 * 2.8e-6 * 0.01);
+    // The swing of 1 V has 10 000 e⁻, and the numbers above black have three quarters of it.
+    let (left, right) = (30_000.0 * per_electron, 1500.0 * per_electron);
+    let data = (0..31).flat_map(|_| [left, right, left, right].map(|v| v as f32)).collect();
+    let edge = image(2, 2, 2.8e-6, data);
+    let ideal = s.capture_ideal(&edge, &TEN_MS).unwrap().normalized()[0];
+    let white_e = (4095.0 - 1024.0) / 4096.0 * 10_000.0;
+    let expected = (2.0 + 2.0 * 1500.0 / white_e) / 4.0;
+    assert!((f64::from(ideal) - expected).abs() < 1e-5, "{ideal} for {expected}");
+    let digital = s.capture(&edge, &TEN_MS, NoiseMode::None, 0).unwrap().normalized()[0];
+    // Half a step of the converter.
+    assert!((ideal - digital).abs() < 0.51 / 3071.0, "{ideal} {digital}");
+}
+
+/// Gain and offset act on the charge of a sample as on that of a large pixel, and noise before them is amplified.
+#[test]
+fn gain_and_offset_act_on_the_sum() {
+    let s = binned(2, CHARGE, 6);
+    let mut large = Sensor { binning: None, ..s.clone() };
+    large.pixel.full_well_e *= 4.0;
+    let image = wide(photons_for(400.0));
+    for (analog_gain, analog_offset_v) in [(1.0, 0.0), (2.5, 0.0), (0.4, 0.05), (4.0, -0.01), (9.0, 0.0)] {
+        let exposure = Exposure { analog_gain, analog_offset_v, ..TEN_MS };
+        let volts = |s: &Sensor| f64::from(s.expected_volts(&image, &exposure).unwrap().data()[7]);
+        let expected = ((0.16 + analog_offset_v) * analog_gain).min(1.0);
+        for found in [volts(&s), volts(&large)] {
+            assert!((found / expected - 1.0).abs() < 1e-5, "gain {analog_gain}: {found} for {expected}");
+        }
+    }
+    let mut noisy = binned(2, CHARGE, 100);
+    noisy.pixel.read_noise_v = 1e-3;
+    let exposure = Exposure { analog_gain: 3.0, analog_offset_v: 0.1, ..TEN_MS };
+    let volts = values(&noisy.capture(&wide(0.0), &exposure, NoiseMode::All, 3).unwrap());
+    let (mean, variance) = moments(&volts);
+    // 10 000 samples: a standard error of 1.4 % of the variance.
+    assert!((mean - 0.3).abs() < 2e-4 && (variance / 9e-6 - 1.0).abs() < 0.06, "{mean} {variance}");
+}

@@ -292,3 +292,29 @@ fn the_high_gain_is_chosen_while_the_light_fits_it() {
     let axes = camera(ConversionGainName::Combined).training_axes(&settings, &light).unwrap();
     assert!(axes.noise().above.is_some());
 }
+
+/// An offset moves black and saturation alike: the full well is as far above black at any offset, and a pixel beyond it reads as white.
+#[test]
+fn an_offset_moves_the_levels_and_not_their_distance() {
+    for bits in [0, 12] {
+        let mut s = device(8);
+        s.adc = Adc { bits, black_level_dn: if bits == 0 { 0.0 } else { 64.0 } };
+        for (offset, gain) in [(0.0, 1.0), (0.01, 1.0), (0.02, 0.5), (-0.002, 0.25)] {
+            for (base, well_v) in [(low(), 30_000.0 * 25e-6), (combined(), 30_000.0 * 1e-4)] {
+                let e = Exposure { analog_gain: gain, analog_offset_v: offset, ..base };
+                let above = s.saturation_v(&e) - offset * gain;
+                assert!((above - well_v * gain).abs() < 1e-9, "{e:?}: {above}");
+                let levels = s.raw_levels(&e).unwrap();
+                let full = values(&s.capture(&wide(photons_for(60_000.0)), &e, NoiseMode::None, 0).unwrap());
+                // Numbers of the low gain are rounded before they are multiplied by the ratio of 4.
+                let rounding = if bits == 0 { 1e-5 } else { 4.0 };
+                assert!(
+                    full.iter().all(|v| (f64::from(*v) - levels.white).abs() <= rounding),
+                    "{e:?}: {} for {}",
+                    full[0],
+                    levels.white
+                );
+            }
+        }
+    }
+}

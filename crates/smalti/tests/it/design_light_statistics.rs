@@ -179,3 +179,21 @@ fn training_scenes_differ() {
     let other = LearningSettings { scene: 1, ..light() };
     assert_ne!(learned(&camera, &light(), &cfa), learned(&camera, &other, &cfa));
 }
+
+/// The classes of a position divide its patches, each count rounded down, as a single class has them all.
+#[test]
+fn classes_divide_the_patches() {
+    // Half the exposure, so that nothing is clipped.
+    let (camera, cfa) = (camera(|d| d.exposure.auto_target = Some(0.5)), cfa(SETS[0]));
+    let trained = |levels, textures| {
+        let settings = LearningSettings { levels, textures, size_px: 64, ..light() };
+        learned(&camera, &settings, &cfa)
+    };
+    let (one, divided) = (trained(1, Textures::None), trained(3, Textures::FlatTexture));
+    assert_eq!((one.classes().len(), divided.classes().len()), (4, 4 * 3 * 2));
+    for (whole, parts) in one.classes().iter().zip(divided.classes().chunks_exact(6)) {
+        let sum: u64 = parts.iter().map(|class| class.count).sum();
+        assert!(whole.count.abs_diff(sum) <= 6, "{} and {sum}: {parts:?}", whole.count);
+        assert!(parts.iter().filter(|class| class.count > 0).count() > 3, "{parts:?}");
+    }
+}

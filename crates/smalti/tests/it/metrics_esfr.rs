@@ -312,3 +312,25 @@ fn a_response_that_rises_again_is_marked() {
     let rises_later = |f: f64| if f > 0.6 { 0.6 } else { falls(f) };
     assert_eq!(reliability(&of(&rises_later)), Some(Mtf50Reliability::Reliable));
 }
+
+/// A region has the edge in its centre and through its short sides, and plateaus of 8 to 32 pixels beside it.
+#[test]
+fn a_region_holds_the_edge_and_its_plateaus() {
+    for (rows, cols, angle) in [(60, 220, 4.0), (90, 300, -11.0), (60, 80, 3.0), (150, 90, 23.0)] {
+        let upright = edge(rows, cols, angle, 0.7);
+        let slope = angle.to_radians().tan();
+        for p in [transposed(&upright), upright] {
+            let r = find_edge_region(&p, 0).unwrap();
+            let is_upright = p.cols() == cols;
+            let (first, along, left, across) =
+                if is_upright { (r.row, r.rows, r.col, r.cols) } else { (r.col, r.cols, r.row, r.rows) };
+            let middle = first as f64 + along as f64 / 2.0 - 0.5 - (rows as f64 - 1.0) / 2.0;
+            let edge_at = (cols as f64 - 1.0) / 2.0 + 0.2 + slope * middle;
+            let centre = left as f64 + across as f64 / 2.0 - 0.5;
+            assert!((centre - edge_at).abs() < 2.0, "{angle}°: {r:?}, edge at {edge_at}");
+            let plateau = (across as f64 - slope.abs() * along as f64) / 2.0;
+            // The corners of the region are whole pixels.
+            assert!((7.0..33.0).contains(&plateau), "{angle}°: {r:?}, plateaus of {plateau}");
+        }
+    }
+}

@@ -343,3 +343,29 @@ fn rates_of_many_sensors_are_those_of_each() {
     let volts = all[0][0].expected_volts((rates, 1.0), &exposure).unwrap();
     assert_eq!(volts, all[0][0].expected_volts(&image, &exposure).unwrap());
 }
+
+/// What leaves no range between black and white is named: the offset, or a full well that is too small at any offset.
+#[test]
+fn levels_without_a_range_name_their_cause() {
+    let named = |full_well_e: f64, analog_offset_v: f64, bits: u32| {
+        let mut s = sensor(4, 4);
+        s.pixel.full_well_e = full_well_e;
+        s.adc = Adc { bits, black_level_dn: 0.0 };
+        let exposure = Exposure { analog_offset_v, ..Exposure::new(0.01) };
+        match s.raw_levels(&exposure) {
+            Err(SensorError::Parameter(error)) => Some(error.name),
+            Err(error) => panic!("{error}"),
+            Ok(_) => None,
+        }
+    };
+    for bits in [0, 12] {
+        assert_eq!(named(10_000.0, 0.0, bits), None);
+        for offset_v in [1.0, 2.0, 900.0] {
+            assert_eq!(named(10_000.0, offset_v, bits).as_deref(), Some("analog_offset_v"), "{offset_v} V");
+        }
+    }
+    // An electron gives 0.4 steps of the converter.
+    for offset_v in [0.0, 2.0] {
+        assert_eq!(named(1.0, offset_v, 12).as_deref(), Some("full_well_e"), "{offset_v} V");
+    }
+}

@@ -98,4 +98,7 @@ fn pictures_keep_highlights_and_bad_ones_are_refused() {
     assert!(matches!(color, Err(UpliftError::Color(_))), "{color:?}");
     let infrared = WavelengthGrid::new(900.0, 10.0, 11).unwrap();
     assert!(matches!(Uplift::new(infrared, Observer::Cie1931), Err(UpliftError::Spectrum(_))));
+    // A picture without pixels has no spectra.
+    let empty = uplift.uplift_image(&picture(ColorSpace::LinearSrgb, Vec::new()));
+    assert!(matches!(empty, Err(UpliftError::Spectrum(_))), "{empty:?}");
 }

@@ -131,3 +131,60 @@ fn solved(m: [[f32; 3]; 3], r: [f32; 3]) -> [f32; 3] {
 pub(super) fn close(wavelengths: &[Wavelength], base: &mut [Lanes], target: [Lanes; 3]) -> Lanes {
     dispatch(Closure { wavelengths, base, target })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::color::sigmoid::{polynomial, sigmoid};
+    use crate::spectrum::{Observer, WavelengthGrid};
+
+    /// Solutions that are known, of matrices whose diagonal dominates: rounding alone remains, of a few units of single precision.
+    #[test]
+    fn three_equations_are_solved() {
+        let number = |i: usize| libm::sin(1.7 * i as f64 + 0.3) as f32;
+        for first in (0..240).step_by(12) {
+            let m = [0, 1, 2].map(|row| {
+                [0, 1, 2].map(|col| number(first + 3 * row + col) + if row == col { 4.0 } else { 0.0 })
+            });
+            let known = [9, 10, 11].map(|i| number(first + i));
+            let r = m.map(|row| row[0] * known[0] + row[1] * known[1] + row[2] * known[2]);
+            for (found, known) in solved(m, r).iter().zip(known) {
+                assert!((found - known).abs() < 1e-5, "{m:?}: {found} {known}");
+            }
+        }
+        assert_eq!(solved([[0.0; 3]; 3], [1.0; 3]), [0.0; 3]);
+    }
+
+    /// Reflectances whose correction is known come back, a different one in each lane, and the error is that of their colours.
+    #[test]
+    fn known_corrections_come_back() {
+        let fit = Fit::new(WavelengthGrid::VISIBLE, Observer::Cie1931).unwrap();
+        let wavelengths = Wavelength::all(&fit, WavelengthGrid::VISIBLE.len());
+        assert_eq!(wavelengths.len(), WavelengthGrid::VISIBLE.len());
+        let original = |l: usize, p: f64| 0.45 + 0.3 * libm::sin(3.0 * p + l as f64);
+        let known = |l: usize, p: f64| {
+            let size = 0.02 * l as f64;
+            let coefficients = [size * libm::sin(l as f64), 0.1 - size, 0.5 * size];
+            let r = original(l, p);
+            sigmoid((r - 0.5) / (r * (1.0 - r)).sqrt() + polynomial(coefficients, p))
+        };
+        let positions: Vec<f64> = wavelengths.iter().map(|w| f64::from(w.position)).collect();
+        let mut base: Vec<Lanes> =
+            positions.iter().map(|p| std::array::from_fn(|l| original(l, *p) as f32)).collect();
+        let colour = |l: usize| fit.xyz_of(&positions.iter().map(|p| known(l, *p)).collect::<Vec<_>>());
+        let mut target = [0, 1, 2].map(|c| std::array::from_fn(|l| colour(l)[c] as f32));
+        // No reflectance is as bright as this.
+        const BRIGHT: usize = LANES - 1;
+        target.iter_mut().for_each(|t| t[BRIGHT] = 2.0);
+        let error = close(&wavelengths, &mut base, target);
+        for l in 0..BRIGHT {
+            for (found, p) in base.iter().zip(&positions) {
+                let expected = known(l, *p);
+                assert!((f64::from(found[l]) - expected).abs() < 1e-3, "{l} {p}: {} {expected}", found[l]);
+            }
+            // A tenth of what counts as the colour.
+            assert!(error[l] < 1e-4, "{l}: {}", error[l]);
+        }
+        assert!(error[BRIGHT] > 0.4, "{}", error[BRIGHT]);
+    }
+}

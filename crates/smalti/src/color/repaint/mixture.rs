@@ -127,3 +127,74 @@ fn dual(candidates: &[Candidate], target: [f64; 3]) -> [f64; 3] {
 fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn number(i: usize) -> f64 {
+        0.5 + 0.5 * libm::sin(2.3 * i as f64 + 0.7)
+    }
+
+    fn candidates() -> Vec<Candidate> {
+        let of = |i: usize| Candidate {
+            colour: [0.3 + number(4 * i), 1.0, 0.2 + 1.5 * number(4 * i + 1)],
+            nearness: 0.02 + number(4 * i + 2).powi(4),
+        };
+        (0..30).map(of).collect()
+    }
+
+    /// The gradient vanishes where the function is least. The targets lie among the colours, at their border, and beyond.
+    #[test]
+    fn the_weights_are_those_of_the_least_sum() {
+        let candidates = candidates();
+        for target in [[0.8, 1.0, 0.9], [0.35, 1.0, 0.9], [1.2, 1.0, 0.3], [0.1, 1.0, 1.9], [2.0, 1.0, 0.0]] {
+            let y = dual(&candidates, target);
+            let mut found = y.map(|v| SLACK * v);
+            for c in &candidates {
+                let weight = c.weight(y);
+                assert!(weight >= 0.0);
+                found.iter_mut().zip(c.colour).for_each(|(sum, v)| *sum += weight * v);
+            }
+            for (found, wanted) in found.iter().zip(target) {
+                // Rounding, of weights with which y is multiplied.
+                let size = y.iter().fold(1.0, |m: f64, v| m.max(v.abs()));
+                assert!((found - wanted).abs() < 1e-11 * size, "{target:?}: {found} {wanted}, {y:?}");
+            }
+        }
+    }
+
+    /// Surfaces of three wavelengths that are seen as X, Y and Z.
+    fn measured(xyz: [f64; 3]) -> Measured {
+        let largest = xyz.iter().copied().fold(0.0, f64::max);
+        Measured {
+            reflectance: xyz.to_vec(),
+            xyz,
+            lab: lab_from_xyz(xyz, [1.0; 3]),
+            headroom: 0.98 / largest,
+        }
+    }
+
+    /// A mixture has its colour, to the tolerance, in light and in shade, and is of what is near.
+    #[test]
+    fn a_mixture_has_the_colour_that_it_is_made_for() {
+        let all: Vec<Measured> = (0..40)
+            .map(|i| [3 * i, 3 * i + 1, 3 * i + 2].map(|at| 0.1 + 0.6 * number(at)))
+            .map(measured)
+            .collect();
+        for colour in [[0.4, 0.4, 0.4], [0.5, 0.4, 0.3], [0.3, 0.35, 0.45], [0.02, 0.02, 0.02]] {
+            let found = mixture(&all, colour);
+            for (found, wanted) in found.iter().zip(colour) {
+                assert!((found / colour[1] - wanted / colour[1]).abs() < 0.01, "{colour:?}: {found}");
+            }
+        }
+        // A surface far from all others is itself.
+        let lone = measured([0.6, 0.3, 0.1]);
+        let greys = [0.2, 0.4, 0.6].map(|v| measured([v; 3]));
+        let found = mixture(&[&greys[..], &[lone.clone()]].concat(), lone.xyz);
+        for (found, wanted) in found.iter().zip(lone.xyz) {
+            assert!((found / wanted - 1.0).abs() < 0.01, "{found} {wanted}");
+        }
+        assert_eq!(mixture(&greys, [0.0; 3]).len(), 3);
+    }
+}

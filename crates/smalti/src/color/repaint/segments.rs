@@ -162,3 +162,96 @@ pub(super) struct Shares {
 fn nearer(a: (usize, f32), b: (usize, f32)) -> (usize, f32) {
     if b.1 < a.1 { b } else { a }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ROWS: usize = 85;
+    const COLS: usize = 70;
+
+    fn picture(of: impl Fn(usize, usize) -> [f32; 3]) -> [Vec<f32>; 3] {
+        [0, 1, 2].map(|c| (0..ROWS * COLS).map(|i| of(i / COLS, i % COLS)[c]).collect())
+    }
+
+    fn planes(rgb: &[Vec<f32>; 3]) -> [&[f32]; 3] {
+        [0, 1, 2].map(|c| rgb[c].as_slice())
+    }
+
+    /// Every pixel is in the sums of one segment, also across bands of rows.
+    #[test]
+    fn sums_are_those_of_all_pixels() {
+        let lab = picture(|row, col| [40.0 + (row % 9) as f32, (col % 30) as f32, ((row * col) % 17) as f32]);
+        let rgb = picture(|row, col| [0.25, ((row + col) % 4) as f32, (row % 3) as f32]);
+        let segments = Segments::new(&lab, ROWS, COLS);
+        assert_eq!((segments.cells, segments.centres.len()), ([6, 5], 30));
+        let sums = segments.sums(&lab, Some(planes(&rgb)));
+        // The numbers are whole or quarters, so that sums are exact.
+        let sum = |of: &dyn Fn(&Sums) -> f64| sums.iter().map(of).sum::<f64>();
+        let all = |plane: &[f32]| plane.iter().map(|v| f64::from(*v)).sum::<f64>();
+        for c in 0..3 {
+            assert_eq!(sum(&|s| s.lab[c]), all(&lab[c]));
+            assert_eq!(sum(&|s| s.rgb[c]), all(&rgb[c]));
+        }
+        let count = (ROWS * COLS) as f64;
+        assert_eq!(sum(&|s| s.count), count);
+        assert_eq!(sum(&|s| s.at[0]), count * (ROWS - 1) as f64 / 2.0);
+        assert_eq!(sum(&|s| s.at[1]), count * (COLS - 1) as f64 / 2.0);
+    }
+
+    /// A border between two colours is one between segments, wherever it lies in a cell, and every segment has a colour of the picture.
+    #[test]
+    fn segments_end_at_borders() {
+        for border in [18, 21, 27] {
+            let is_left = |row: usize, col: usize| col + row / 20 < border;
+            let lab =
+                picture(|row, col| if is_left(row, col) { [60.0, 50.0, -20.0] } else { [60.0, -40.0, 30.0] });
+            let (left, right) = ([0.5, 0.125, 0.25], [0.0, 0.5, 0.25]);
+            let rgb = picture(|row, col| if is_left(row, col) { left } else { right });
+            let segments = Segments::new(&lab, ROWS, COLS);
+            let means = segments.means(&lab, planes(&rgb));
+            let (left, right) = (left.map(f64::from), right.map(f64::from));
+            for mean in means.iter().flatten() {
+                assert!(*mean == left || *mean == right, "{border}: {mean:?}");
+            }
+            assert!(means.contains(&Some(left)) && means.contains(&Some(right)));
+        }
+    }
+
+    /// In a picture of one colour, the segments are its cells, but for those next to cells that the edge cuts.
+    #[test]
+    fn segments_of_one_colour_are_cells() {
+        let lab = picture(|_, _| [50.0, 10.0, 10.0]);
+        let segments = Segments::new(&lab, ROWS, COLS);
+        for (row, col) in (0..9).map(|i| (i / 3, i % 3)) {
+            let centre = &segments.centres[row * segments.cells[1] + col];
+            for (at, cell) in centre.at.iter().zip([row, col]) {
+                let middle = (cell * SIDE) as f32 + (SIDE - 1) as f32 / 2.0;
+                assert!((at - middle).abs() <= 1.0, "{row} {col}: {at} {middle}");
+            }
+            assert_eq!(centre.lab, [50.0, 10.0, 10.0]);
+        }
+    }
+
+    /// Shares sum to 1, the nearest segment has the largest, and none is beyond reach.
+    #[test]
+    fn shares_sum_to_one() {
+        let lab = picture(|row, col| [30.0 + 0.4 * row as f32, 0.5 * col as f32 - 10.0, 5.0]);
+        let segments = Segments::new(&lab, ROWS, COLS);
+        for i in (0..ROWS * COLS).step_by(7) {
+            let (row, col) = (i / COLS, i % COLS);
+            let v = [0, 1, 2].map(|c| lab[c][i]);
+            let Shares { segments: numbers, weights, count } = segments.shares(row, col, v);
+            let (numbers, weights) = (&numbers[..count], &weights[..count]);
+            assert!((weights.iter().sum::<f32>() - 1.0).abs() < 1e-6, "{row} {col}: {weights:?}");
+            let distances: Vec<(usize, f32)> = segments.around(row, col, v).collect();
+            let (nearest, least) = distances.iter().copied().fold((0, f32::INFINITY), nearer);
+            let largest = weights.iter().copied().fold(0.0, f32::max);
+            for ((number, weight), (other, distance)) in numbers.iter().zip(weights).zip(&distances) {
+                assert_eq!(number, other);
+                assert!(*number != nearest || *weight == largest, "{row} {col}: {weights:?}");
+                assert_eq!(*weight > 0.0, distance - least < REACH, "{row} {col}: {distance} {least}");
+            }
+        }
+    }
+}

@@ -113,3 +113,39 @@ fn repainted_reflectances_are_nearer_to_real_ones() {
     // Tungsten light rises evenly with wavelength, and smooth reflectances suffice for it.
     assert!(rms < 0.5 && tungsten < 1.0 && led < 0.7, "{means:?}");
 }
+
+/// Surfaces that cannot be, and none at all, are refused.
+#[test]
+fn reflectances_that_cannot_be_measured_are_refused() {
+    let grid = WavelengthGrid::VISIBLE;
+    let with = |all: &[f64]| {
+        let all = all.iter().map(|v| Spectrum::constant(grid, *v).unwrap());
+        Repaint::with(grid, Observer::Cie1931, all.collect::<Vec<_>>())
+    };
+    for wrong in [&[0.5, 0.0][..], &[0.5, 1.01], &[-0.1, 0.5], &[]] {
+        let found = with(wrong);
+        assert!(matches!(found, Err(UpliftError::Spectrum(_))), "{wrong:?}");
+    }
+    let white = with(&[0.5, 1.0]).unwrap();
+    let empty = white.repaint_image(&picture(0, 0, |_, _| [0.5; 3]));
+    assert!(matches!(empty, Err(UpliftError::Spectrum(_))), "{empty:?}");
+}
+
+/// Of grey surfaces, grey pictures have flat reflectances, and lamps those above 1. Single precision costs far less than the tolerance.
+#[test]
+fn grey_surfaces_stay_flat() {
+    let grid = WavelengthGrid::VISIBLE;
+    let all = [0.2, 0.5].map(|v| Spectrum::constant(grid, v).unwrap());
+    let repaint = Repaint::with(grid, Observer::Cie1931, all).unwrap();
+    let level = |row: usize, col: usize| 0.1 + 0.05 * ((row + col) % 7) as f64;
+    let image = picture(20, 40, |row, col| if row == 19 { [3.0; 3] } else { [level(row, col); 3] });
+    let Repainted { cube, missed } = repaint.repainted(&image).unwrap();
+    assert_eq!(missed, 0);
+    for (row, col) in [(0, 0), (3, 17), (10, 22), (18, 39)] {
+        for r in cube.pixel(row, col).unwrap().values() {
+            assert!((r - level(row, col)).abs() < 1e-4, "{row} {col}: {r}");
+        }
+    }
+    // White has the bound of linear RGB.
+    assert!(cube.pixel(19, 5).unwrap().values().iter().all(|r| (r - 3.0).abs() < 0.005));
+}

@@ -183,3 +183,39 @@ fn kernels_are_those_of_textbook_least_squares() {
         assert!(kernels.kernels(1, pool(0)).is_none() && kernels.kernels(0, pool(99)).is_none());
     }
 }
+
+/// Where a design saturates every patch of a pool, or all but a part of one, the kernels are those of all its patches: none would be left.
+#[test]
+fn pools_without_a_patch_left_keep_their_kernels() {
+    let sets: Vec<Vec<Vec<f64>>> = (0..3).map(|s| patches(200, s)).collect();
+    let light = statistics(&sets);
+    let levels = crate::l3::Levels::new(Vec::new()).unwrap();
+    let noise = SignalNoise { constant: 1e-4, per_signal: 1e-3, ..SignalNoise::default() };
+    let axes = Axes::new(Mosaic::new(2, 2, vec![0, 1, 1, 0]).unwrap(), 3, levels, noise).unwrap();
+    let all = |share: f64, set: &Vec<Vec<f64>>| {
+        let mut moments = Moments::new(TAPS, 3);
+        set.iter().for_each(|u| moments.add(&[&[1.0], &seen(u)[..]].concat(), share));
+        moments
+    };
+    let classes = vec![Some(all(1.0, &sets[0])), Some(all(0.9975, &sets[1])), None];
+    let system = LightSystem {
+        responses: RESPONSES.iter().map(|r| r.to_vec()).collect(),
+        scale: SCALE,
+        positions: vec![0],
+        channels: vec![CHANNELS.to_vec()],
+        share: SHARE,
+        noise,
+        even: &|_, _| None,
+        saturated: Saturated { classes, counts: [3; 2] },
+        counts: light.patch_counts(&axes),
+    };
+    let kernels = light.kernels(&system);
+    for (lane, set) in sets.iter().enumerate() {
+        let found = kernels.kernels(0, pool(lane)).unwrap();
+        let (weights, offsets) = textbook(set, false, &noise);
+        let largest = weights.iter().fold(0.0f64, |m, w| m.max(w.abs()));
+        for (a, b) in found.weights.iter().zip(&weights).chain(found.offsets.iter().zip(&offsets)) {
+            assert!((a - b).abs() < 1e-3 * largest, "lane {lane}: {a} and {b}, largest {largest}");
+        }
+    }
+}

@@ -134,3 +134,65 @@ fn weights(camera: &Camera) -> Result<Vec<f64>, CameraError> {
     sum.iter_mut().zip(lens.values()).for_each(|(w, &t)| *w = if t >= OPAQUE { *w } else { 0.0 });
     Ok(sum)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::CameraDescription;
+
+    fn camera() -> Camera {
+        Camera::new(CameraDescription::default(), WavelengthGrid::VISIBLE).unwrap()
+    }
+
+    fn spectrum(number: usize) -> Spectrum {
+        let of = |nm: f64| 1.0 + 0.8 * libm::sin(nm / (25.0 + 10.0 * number as f64));
+        Spectrum::from_fn(WavelengthGrid::VISIBLE, of).unwrap()
+    }
+
+    /// As many components as spectra describe any sum of these: whatever sees the light responds to the sum of its components.
+    #[test]
+    fn the_response_to_light_is_that_to_its_components() {
+        let (camera, spectra) = (camera(), [1, 2, 3].map(spectrum));
+        let basis = SpectralBasis::new(&camera, &spectra, 3, 0.0).unwrap();
+        assert_eq!((basis.len(), basis.is_empty(), basis.grid()), (3, false, camera.grid()));
+        assert!(basis.left_out() < 1e-12, "{}", basis.left_out());
+        let lens = camera.optics.transmittance_on(camera.grid()).unwrap();
+        let behind = basis.analysis_behind(&camera).unwrap();
+        let sum = |wavelength: usize| {
+            spectra.iter().zip([0.5, 3.0, -0.2]).map(|(s, times)| times * s.values()[wavelength]).sum::<f64>()
+        };
+        let light: Vec<f64> = (0..camera.grid().len()).map(sum).collect();
+        let on_pixel: Vec<f64> = light.iter().zip(lens.values()).map(|(l, t)| l * t).collect();
+        let coefficients: Vec<f64> = basis.analysis.iter().map(|weights| dot(weights, &light)).collect();
+        for (found, weights) in coefficients.iter().zip(&behind) {
+            assert!((dot(weights, &on_pixel) - found).abs() < 1e-9 * found.abs().max(1.0));
+        }
+        let bare = camera.sensor.bare_responsivity_on(camera.grid()).unwrap();
+        let observer = Observer::Cie1931.photon_weights(camera.grid()).unwrap();
+        for sensitivity in observer.iter().chain([&bare]) {
+            let response = basis.response(sensitivity);
+            assert_eq!(response.len(), 3);
+            let (found, seen) = (dot(&coefficients, &response), dot(&light, sensitivity.values()));
+            // The weights, by which the light is divided, are small at the ends of the wavelengths.
+            assert!((found / seen - 1.0).abs() < 1e-6, "{found} {seen}");
+        }
+    }
+
+    /// What the components leave out falls with their number, which ends as soon as little enough is left. Dark spectra have none.
+    #[test]
+    fn components_are_as_many_as_are_needed() {
+        let (camera, spectra) = (camera(), [1, 2, 3, 4, 5].map(spectrum));
+        let basis = |most, left_out| SpectralBasis::new(&camera, &spectra, most, left_out).unwrap();
+        let left: Vec<f64> = (1..=5).map(|count| basis(count, 0.0).left_out()).collect();
+        assert!(left.windows(2).all(|w| w[1] < w[0]) && left[0] < 1.0, "{left:?}");
+        assert_eq!(basis(5, 1.1 * left[1]).len(), 2);
+        assert_eq!(basis(5, 0.9 * left[1]).len(), 3);
+        // A spectrum counts as much as another, however strong it is.
+        let strong: Vec<Spectrum> =
+            spectra.iter().enumerate().map(|(i, s)| s.scaled([1.0, 100.0][i % 2]).unwrap()).collect();
+        let of_strong = SpectralBasis::new(&camera, &strong, 2, 0.0).unwrap();
+        assert!((of_strong.left_out() / left[1] - 1.0).abs() < 1e-6, "{} {left:?}", of_strong.left_out());
+        let dark = [Spectrum::constant(camera.grid(), 0.0).unwrap()];
+        assert!(matches!(SpectralBasis::new(&camera, &dark, 3, 0.0), Err(DesignError::Key { .. })));
+    }
+}

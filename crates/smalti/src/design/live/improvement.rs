@@ -137,3 +137,97 @@ pub fn with_array(design: &CameraDescription, mosaic: &Mosaic, found: &[FoundCha
     design.sensor.cfa = CfaDescription { pattern, filters, ..CfaDescription::default() };
     design
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::spectrum::WavelengthGrid;
+
+    /// A tile of 2 × 3 cells, and a filter that has no cell.
+    fn camera() -> Camera {
+        let mut description = CameraDescription::default();
+        let name = |letter: char| (letter.to_string(), Filter::Builtin(format!("pigment/{letter}")));
+        description.sensor.cfa = CfaDescription {
+            pattern: PatternDescription::Letters(vec!["RGB".into(), "GBG".into()]),
+            filters: "RGBY".chars().map(name).collect(),
+            ..CfaDescription::default()
+        };
+        Camera::new(description, WavelengthGrid::VISIBLE).unwrap()
+    }
+
+    #[test]
+    fn locks_are_those_of_their_cells_and_letters() {
+        let camera = camera();
+        let of = |filters: &[&str], cells: &[[usize; 2]], mosaic: bool| {
+            let filters = filters.iter().map(|f| (*f).to_owned()).collect();
+            LiveLocks { filters, cells: cells.to_vec(), mosaic }.of(&camera)
+        };
+        for row in 0..2 {
+            for col in 0..3 {
+                let mut cells = [false; 6];
+                cells[3 * row + col] = true;
+                assert_eq!(of(&[], &[[row, col]], false).unwrap().cells, cells);
+            }
+        }
+        let names: Vec<&str> = camera.sensor.cfa.channels().iter().map(|c| c.name.as_str()).collect();
+        for letter in ["R", "G", "B"] {
+            let expected: Vec<bool> = names.iter().map(|name| *name == letter).collect();
+            assert!(expected.contains(&true));
+            assert_eq!(of(&[letter], &[], false).unwrap().filters, expected);
+        }
+        let all = of(&["B", "R", "G", "Y"], &[], true).unwrap();
+        assert!(all.filters.iter().chain(&all.cells).all(|kept| *kept));
+        assert_eq!(of(&["G", "X"], &[], false), Err(LiveLockError::NoFilter("X".into())));
+        for [row, col] in [[2, 0], [0, 3]] {
+            let beyond = LiveLockError::NoCell { row, col, rows: 2, cols: 3 };
+            assert_eq!(of(&[], &[[1, 2], [row, col]], false), Err(beyond));
+        }
+    }
+
+    /// The design with an array that was found is a camera with that array, and filters that stay are stated as before.
+    #[test]
+    fn a_design_has_the_array_that_was_found() {
+        let camera = camera();
+        let clear = Spectrum::constant(WavelengthGrid::VISIBLE, 0.75).unwrap();
+        let found: Vec<FoundChannel> = camera
+            .sensor
+            .cfa
+            .channels()
+            .iter()
+            .map(|c| {
+                let stays = c.name != "G";
+                let transmittance = if stays { c.transmittance.clone() } else { clear.clone() };
+                FoundChannel { letter: c.name.clone(), transmittance, stays }
+            })
+            .collect();
+        let mosaic = Mosaic::new(1, 4, vec![1, 0, 2, 1]).unwrap();
+        let design = with_array(camera.description(), &mosaic, &found);
+        let stated = |letter: &str| design.sensor.cfa.filters.get(letter);
+        for letter in ["R", "B", "Y"] {
+            assert_eq!(stated(letter), Some(&Filter::Builtin(format!("pigment/{letter}"))));
+        }
+        assert_eq!(stated("G"), Some(&Filter::sampled(&clear)));
+        let made = Camera::new(design, WavelengthGrid::VISIBLE).unwrap();
+        let (array, cells) = (&made.sensor.cfa, made.sensor.cfa.mosaic().cells());
+        assert_eq!((array.mosaic().rows(), array.mosaic().cols()), (1, 4));
+        for (cell, channel) in cells.iter().zip(mosaic.cells()) {
+            let (made, found) = (&array.channels()[usize::from(*cell)], &found[usize::from(*channel)]);
+            assert_eq!(made.name, found.letter);
+            // Samples are interpolated at their own wavelengths.
+            let apart = made.transmittance.values().iter().zip(found.transmittance.values());
+            assert!(apart.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) < 1e-12);
+        }
+    }
+
+    #[test]
+    fn conditions_are_those_of_the_camera_and_improvements_lower_the_worst() {
+        let conditions = live_conditions(&camera(), &[1.0, 30.0]);
+        assert_eq!(conditions.iter().map(|c| c.luminance_cd_m2).collect::<Vec<_>>(), [1.0, 30.0]);
+        assert_eq!(live_objective().over, Over::Worst);
+        assert!(live_objective().validate().is_ok());
+        let free = FreeCurves::default();
+        assert!(matches!(LiveFamily::Free.space(free.clone()), FilterSpace::Free(f) if f == free));
+        assert!(matches!(LiveFamily::Pigments.space(free.clone()), FilterSpace::Pigments(_)));
+        assert!(matches!(LiveFamily::Dichroic.space(free), FilterSpace::Dichroic(_)));
+    }
+}

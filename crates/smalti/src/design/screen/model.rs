@@ -292,3 +292,106 @@ fn electrons(camera: &Camera, statistics: &LightStatistics) -> Result<Vec<Spectr
     let of = |c: &Spectrum| Ok(c.times(&pixel).map_err(CameraError::from)?);
     statistics.basis().components().iter().map(of).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::design::light::{COLOR_GROUPS, ClassParts, LightClasses, LightParts, LightSettings};
+    use crate::l3::Moments;
+    use crate::numeric::philox::Stream;
+    use crate::spectrum::WavelengthGrid;
+
+    /// Coefficients of patches of 3 × 3 pixels with one component.
+    const N: usize = 9;
+
+    /// Patches that vary the more, the further they are from the middle.
+    fn patches(count: usize, seed: u64) -> Vec<[f64; N]> {
+        let mut random = Stream::new(seed, 1, 2);
+        let patch = |_| {
+            let level = random.uniform();
+            std::array::from_fn(|i| level + 0.2 * (i as f64 - 4.0 + seed as f64) * random.uniform())
+        };
+        (0..count).map(patch).collect()
+    }
+
+    /// Statistics with a class for each set of patches.
+    fn statistics(sets: &[Vec<[f64; N]>], hues: bool) -> LightStatistics {
+        let class = |(number, set): (usize, &Vec<[f64; N]>)| {
+            let mut moments = Moments::new(N, 0);
+            set.iter().for_each(|patch| moments.add(&[&[1.0], &patch[..]].concat(), 1.0));
+            let mut colors = [[0.0; 4]; COLOR_GROUPS];
+            colors[number] = [set.len() as f64, 1.0, 2.0, 3.0];
+            let per_white_squared = 0.25 * set.len() as f64;
+            ClassParts { number, sums: moments.sums().to_vec(), per_white_squared, colors }
+        };
+        let grid = WavelengthGrid::VISIBLE;
+        let classes = LightClasses { contrast_cuts: Vec::new(), hues, ..LightClasses::default() };
+        let ones = vec![vec![1.0; grid.len()]];
+        let parts = LightParts {
+            settings: LightSettings { side: 3, classes, ..LightSettings::default() },
+            grid,
+            components: ones.clone(),
+            analysis: ones,
+            left_out: 0.0,
+            xyz: vec![[1.0; 3]],
+            white: [1.0; 3],
+            white_coefficients: vec![1.0],
+            source: String::new(),
+            scenes: 1,
+            energy: [1.0, 0.0],
+            classes: sets.iter().enumerate().filter(|(_, set)| !set.is_empty()).map(class).collect(),
+        };
+        LightStatistics::from_parts(parts).unwrap()
+    }
+
+    fn mean(set: &[[f64; N]]) -> [f64; N] {
+        std::array::from_fn(|i| set.iter().map(|patch| patch[i]).sum::<f64>() / set.len() as f64)
+    }
+
+    /// What patches differ by from the mean of their set, with a weight for each.
+    fn apart(set: &[[f64; N]], weight: f64) -> impl Iterator<Item = (f64, [f64; N])> {
+        let mean = mean(set);
+        set.iter().map(move |patch| (weight, std::array::from_fn(|i| patch[i] - mean[i])))
+    }
+
+    fn same(found: &Usable, expected: &[(f64, [f64; N])]) {
+        let total: f64 = expected.iter().map(|(weight, _)| weight).sum();
+        for (at, value) in found.covariance.iter().enumerate() {
+            let products = expected.iter().map(|(weight, d)| weight * d[at / N] * d[at % N]);
+            let expected = products.sum::<f64>() / total;
+            // Rounding of the sums of a few thousand products.
+            assert!((value - expected).abs() < 1e-10, "{at}: {value} {expected}");
+        }
+    }
+
+    /// A hue has the covariance of its own patches and of a thousand of all hues, each about the mean of its hue. Those with too few patches
+    /// for a class of their own are among these.
+    #[test]
+    fn hues_share_a_thousand_patches() {
+        let sets = [patches(1000, 1), Vec::new(), patches(70, 2), patches(30, 3), patches(2500, 4)];
+        let found = usable(&statistics(&sets, true)).unwrap();
+        let used = [&sets[0], &sets[2], &sets[4]];
+        assert_eq!(found.len(), used.len());
+        let all = sets.iter().map(Vec::len).sum::<usize>() as f64;
+        for (found, own) in found.iter().zip(used) {
+            assert_eq!((found.patches, found.contrast, found.per_white_squared), (own.len() as f64, 0, 0.25));
+            for (a, b) in found.mean.iter().zip(mean(own)) {
+                assert!((a - b).abs() < 1e-10, "{a} {b}");
+            }
+            let shared = sets.iter().filter(|set| !set.is_empty()).flat_map(|set| apart(set, 1000.0 / all));
+            same(found, &apart(own, 1.0).chain(shared).collect::<Vec<_>>());
+            assert_eq!(found.colors, [([1.0, 2.0, 3.0].map(|v| v / own.len() as f64), 1.0)]);
+        }
+    }
+
+    /// Without hues, classes have the covariances of their patches.
+    #[test]
+    fn classes_without_hues_share_nothing() {
+        let sets = [patches(100, 5)];
+        let found = usable(&statistics(&sets, false)).unwrap();
+        same(&found[0], &apart(&sets[0], 1.0).collect::<Vec<_>>());
+        let few = usable(&statistics(&[patches(63, 6)], false));
+        assert!(matches!(few, Err(DesignError::TooFewPatches { least: MIN_PATCHES })));
+        assert_eq!(usable(&statistics(&[patches(64, 6)], false)).unwrap().len(), 1);
+    }
+}

@@ -394,4 +394,52 @@ mod tests {
         let front = Front { aims: vec![aim.clone(), aim], points: 5, filters: false };
         assert_eq!(key(front.validate(&[1.0, 10.0])), "front.aims[0].luminances_cd_m2");
     }
+
+    /// A compromise is the greatest of its goals, each above its best value in units of its span and times its share, to the softness
+    /// of the maximum, and its derivatives are those of finite differences.
+    #[test]
+    fn a_compromise_follows_the_greatest_of_its_goals() {
+        let none = FrontAim {
+            name: String::new(),
+            cpsnr_db: 0.0,
+            detail_db: 0.0,
+            delta_e_2000: 0.0,
+            scielab: 0.0,
+            luminances_cd_m2: None,
+        };
+        let dark = FrontAim { cpsnr_db: 1.0, luminances_cd_m2: Some(vec![1.0]), ..none.clone() };
+        let seen = FrontAim { delta_e_2000: 1.0, scielab: 0.5, detail_db: 0.2, ..none };
+        let goals = [dark, seen].map(|aim| aim.goal(&[1.0, 10.0]));
+        let (shares, best, span) = ([0.3, 0.7], [-30.0, -3.5], [2.0, 4.0]);
+        let goal = Goal::compromise(&goals, &shares, &best, &span);
+        assert_eq!(goal.figures(), Figures::All);
+        for decibels in [20.0, 25.0, 30.0, 33.0] {
+            let at = [expected(decibels, 9.0), expected(35.0, 3.0)];
+            // The first is of one condition, the second the mean of both.
+            let sums = [
+                -decibels,
+                0.5 * (9.0 + 0.5 * 4.5 - 0.2 * (decibels + 3.0)) + 0.5 * (3.0 + 0.5 * 1.5 - 0.2 * 38.0),
+            ];
+            let values = [0, 1].map(|i| shares[i] * (sums[i] - best[i]) / span[i]);
+            let most = values[0].max(values[1]);
+            let (cost, weights) = goal.differentiated(&at);
+            assert!((most - 2f64.ln() / SHARPNESS - 1e-9..=most).contains(&cost), "{cost} {values:?}");
+            for condition in 0..2 {
+                let slope = |change: &dyn Fn(&mut ExpectedError, f64)| {
+                    let moved = |by: f64| {
+                        let mut at = at;
+                        change(&mut at[condition], by);
+                        goal.cost(&at)
+                    };
+                    (moved(1e-6) - moved(-1e-6)) / 2e-6
+                };
+                assert!((slope(&|e, by| e.cpsnr_db += by) - weights[condition].cpsnr_db).abs() < 1e-7);
+                assert!((slope(&|e, by| e.detail_db += by) - weights[condition].detail_db).abs() < 1e-7);
+                assert!(
+                    (slope(&|e, by| e.delta_e_2000 += by) - weights[condition].delta_e_2000).abs() < 1e-7
+                );
+                assert!((slope(&|e, by| e.scielab += by) - weights[condition].scielab).abs() < 1e-7);
+            }
+        }
+    }
 }

@@ -79,3 +79,41 @@ impl Kernel for Row<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::numeric::philox::Stream;
+
+    /// Of colours whose channels are their X, Y and Z. A root r is the nearest to √p where (2 r − 1)² < 4 p < (2 r + 1)².
+    #[test]
+    fn integer_roots_are_the_nearest_integers() {
+        let one = 1i64 << PLACES;
+        let own = [[one, 0, 0], [0, one, 0], [0, 0, one]];
+        let mut random = Stream::new(3, 5, 7);
+        let mut wide = |bits: u32| (random.below(1 << bits) as i32) - (1 << (bits - 3));
+        // Up to the 8 times white at which pictures saturate.
+        let large = (0..3000).map(|i| [0; 3].map(|_| wide(3 + i % 21)));
+        let small = (0..4096).map(|i| [i / 256, i / 16 % 16, i % 16]);
+        for colour in small.chain(large) {
+            let [r, g, b] = colour.map(|v| i64::from(v.max(0)));
+            for (root, product) in fixed_roots(&own, colour).into_iter().zip([r * g, g * b, b * r]) {
+                let twice = 2 * i64::from(root);
+                let least = (twice - 1).max(0).pow(2);
+                assert!((least..(twice + 1).pow(2)).contains(&(4 * product)), "{colour:?}: {root}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_row_has_the_roots_of_its_colours() {
+        let mut random = Stream::new(4, 5, 7);
+        let [x, y, z]: [Vec<f32>; 3] =
+            std::array::from_fn(|_| (0..3 * LANES).map(|_| random.uniform() as f32 - 0.2).collect());
+        let mut rows = [0; ROOTS].map(|_| vec![f32::NAN; 3 * LANES]);
+        roots_of_row([&x, &y, &z], &mut rows);
+        for i in 0..3 * LANES {
+            assert_eq!(rows.each_ref().map(|row| row[i]), roots(x[i], y[i], z[i]));
+        }
+    }
+}

@@ -389,3 +389,23 @@ fn colours_are_corrected_beyond_a_matrix() {
     let after = mean_square(&picture, &target);
     assert!(after < 0.05 * before, "{after} {before}");
 }
+
+/// Axes of version 2 state neither strengths nor orientations.
+#[test]
+fn axes_of_version_2_are_read() {
+    let earlier = axes().with_structures(vec![0.02, 0.1, 0.5], 4).unwrap();
+    let mut stated = serde_json::to_value(&earlier).unwrap();
+    let read = |stated: &serde_json::Value| serde_json::from_value::<RefinementAxes>(stated.clone());
+    assert_eq!(read(&stated).unwrap(), earlier);
+    let fields = stated.as_object_mut().unwrap();
+    fields.remove("strengths").unwrap();
+    fields.remove("orientations").unwrap();
+    assert_eq!(read(&stated).unwrap(), earlier);
+    // What is stated holds, and is checked.
+    assert_eq!(read(&serde_json::to_value(axes()).unwrap()).unwrap(), axes());
+    for strengths in [vec![-1.0], vec![0.0], vec![0.5, 0.5], vec![], vec![1e7]] {
+        stated["strengths"] = strengths.clone().into();
+        assert!(read(&stated).is_err(), "{strengths:?}");
+    }
+    assert!(axes().with_structures(vec![0.5], 6).is_err());
+}

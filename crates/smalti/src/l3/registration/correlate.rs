@@ -365,4 +365,42 @@ mod tests {
         let found = coarse(&noise(2, 2048), &noise(2, 2048), 1.0);
         assert_eq!(found, Err(RegistrationError::TooSmall { rows: 2, cols: 2048, least: 4 }));
     }
+    /// A part of a plane is found where it was taken from, whatever the unit of the values.
+    #[test]
+    fn a_part_is_found_at_its_place_in_any_light() {
+        let whole = noise(40, 60);
+        for (row, col, high, wide) in [(7, 13, 24, 32), (3, 20, 30, 36)] {
+            let part = whole.part((row, high), (col, wide)).unwrap();
+            for light in [1e-3, 1.0, 1e3] {
+                let lit = |p: &Plane| {
+                    Plane::new(p.rows, p.cols, p.values.iter().map(|v| v * light).collect()).unwrap()
+                };
+                let found = coarse(&lit(&whole), &lit(&part), 1.0).unwrap();
+                let off = (found.row - row as f64).abs().max((found.col - col as f64).abs());
+                // The tapered windows of whole and part differ.
+                assert!(off < 0.1, "{found:?} for {row}, {col} in light {light}");
+            }
+        }
+    }
+
+    /// Patches cover a plane from edge to edge, and find no shift where the plane lies where it belongs.
+    #[test]
+    fn patches_reach_from_edge_to_edge() {
+        let fixed = noise(40, 1100);
+        for (rows, cols, across) in [(24, 60, 2), (30, 768, 3), (26, 1030, 4)] {
+            let placed = Placed { plane: fixed.part((5, rows), (11, cols)).unwrap(), row: 5, col: 11 };
+            let found = patches(&fixed, &placed).unwrap();
+            let (high, wide) = (rows / 4 * 2, if cols < 512 { cols / 2 } else { 256 });
+            assert_eq!(found.len(), 2 * across, "{rows} × {cols}");
+            let range = |of: fn(&PatchShift) -> usize| {
+                (found.iter().map(of).min().unwrap(), found.iter().map(of).max().unwrap())
+            };
+            assert_eq!(range(|p| p.row), (high / 2, rows - high / 2));
+            assert_eq!(range(|p| p.col), (wide / 2, cols - wide / 2));
+            let steps: Vec<usize> = found[..across].windows(2).map(|p| p[1].col - p[0].col).collect();
+            assert!(steps.iter().all(|s| s.abs_diff(steps[0]) <= 1), "{steps:?}");
+            // The finest step of the search.
+            assert!(found.iter().all(|p| p.shift.row.abs().max(p.shift.col.abs()) < FINEST), "{found:?}");
+        }
+    }
 }

@@ -304,3 +304,121 @@ fn cross_validation_finds_the_weight() {
         assert!(error(chosen) < 1.02 * plain, "noise {noise}: {} and {plain} without", error(chosen));
     }
 }
+
+/// Noise that pixels of a row share, or those of a column, is that of one random number per line: Σ over the lines of 1 1ᵀ.
+#[test]
+fn shared_noise_is_that_of_whole_lines() {
+    let patches: Vec<f64> = (0..10).map(|i| 0.1 * f64::from(i)).collect();
+    let sums = (0..11).flat_map(|i| (i..11).map(move |j| (i, j)));
+    let z: Vec<f64> = std::iter::once(1.0).chain(patches).collect();
+    let moments = Moments::from_sums(9, 1, sums.map(|(i, j)| 4.0 * z[i] * z[j]).collect()).unwrap();
+    let none = SignalNoise::default();
+    let own = SignalNoise { constant: 2e-4, per_signal: 3e-3, per_signal_squared: 1e-3, ..none };
+    for (row, column) in [(0.0, 0.0), (5e-5, 0.0), (0.0, 2e-5), (5e-5, 2e-5)] {
+        let mut found = vec![1.0; 81];
+        add_noise(&mut found, 1.5, &SignalNoise { row, column, ..own }, 3, &moments);
+        let mut expected = vec![1.0; 81];
+        for (i, x) in z[1..10].iter().enumerate() {
+            expected[i * 10] += 1.5 * own.variance(*x);
+        }
+        for line in 0..3 {
+            for (i, j) in (0..3).flat_map(|i| (0..3).map(move |j| (i, j))) {
+                expected[(line * 3 + i) * 9 + line * 3 + j] += 1.5 * row;
+                expected[(i * 3 + line) * 9 + j * 3 + line] += 1.5 * column;
+            }
+        }
+        for (i, (a, b)) in found.iter().zip(&expected).enumerate() {
+            // Rounding of sums near 1.
+            assert!((a - b).abs() < 4e-15, "row {row}, column {column}: {a} for {b} at {i}");
+        }
+    }
+}
+
+/// The unit of the samples does not matter: λ is a second moment of them.
+#[test]
+fn the_weight_scales_with_the_samples() {
+    let taps = 9;
+    let spread: Vec<f64> = (0..taps).map(|t| 0.64f64.powi(t)).collect();
+    for noise in [0.1, 0.3, 1.0, 3.0] {
+        let lambda = |scale: f64| {
+            let size = taps as usize;
+            let mut gram = vec![0.0; size * size];
+            gram.iter_mut().step_by(size + 1).zip(&spread).for_each(|(g, d)| *g = d * scale * scale);
+            let sign = |t: usize| if t % 4 < 2 { 1.0 } else { -1.0 };
+            let cross = |(t, d): (usize, &f64)| d / (1.0 + t as f64) + noise * sign(t) * (d / 80.0).sqrt();
+            let cross: Vec<f64> = spread.iter().enumerate().map(cross).collect();
+            let explained: f64 = cross.iter().zip(&spread).map(|(c, d)| c * c / d).sum();
+            let power = explained + noise * noise * 71.0 / 80.0;
+            let eigen = Eigen::of(&gram, size).unwrap();
+            let ridge = Ridge { eigen: &eigen, cut: 1e-14 * scale * scale, count: 80.0, offset: 0.0, power };
+            let cross: Vec<f64> = cross.iter().map(|c| c * scale).collect();
+            ridge.lambda(&cross) / (scale * scale)
+        };
+        let own = lambda(1.0);
+        assert!(own > 1e-4, "{own}");
+        for scale in [1e-3, 0.25, 1e3] {
+            // λ is determined to a thousandth.
+            assert!((lambda(scale) / own - 1.0).abs() < 1e-3, "noise {noise}, scale {scale}: {own}");
+        }
+    }
+}
+
+/// Ridge regression of few patches with the λ that minimises V by its definition: A is the matrix from the outputs to their fit, and its
+/// trace counts the offset as a degree of freedom, which is not penalised.
+#[test]
+fn an_offset_is_a_degree_of_freedom() {
+    let (n, taps) = (14, 9);
+    let mut random = Stream::new(2, 5, 5);
+    let (mut x, mut y) = (Vec::new(), Vec::new());
+    for _ in 0..n {
+        let patch: Vec<f64> = (0..taps).map(|_| random.uniform()).collect();
+        let truth = patch.iter().enumerate().map(|(t, v)| v * if t == 4 { 0.9 } else { 0.1 });
+        y.push(truth.sum::<f64>() + 0.4 + random.uniform() - 0.5);
+        x.push(patch);
+    }
+    let mut moments = Moments::new(taps, 1);
+    for (patch, y) in x.iter().zip(&y) {
+        moments.add(&[&[1.0][..], &patch[..], &[*y][..]].concat(), 1.0);
+    }
+    let statistics = one_class(3, &["a"], true, |_, _, _, _| 0.0).0;
+    for form in [KernelForm::Affine, KernelForm::Linear] {
+        let cols = taps + usize::from(form == KernelForm::Affine);
+        // Weights, and V.
+        let fitted = |log: f64| {
+            let penalty = (n as f64 * log.exp()).sqrt();
+            let entry = |i: usize, j: usize| match i.checked_sub(n) {
+                None => x[i].get(j).copied().unwrap_or(1.0),
+                Some(t) => f64::from(u8::from(t == j)) * penalty,
+            };
+            let a: Vec<f64> = (0..(n + taps) * cols).map(|i| entry(i / cols, i % cols)).collect();
+            let unit = |i: usize| f64::from(u8::from(i / n == i % n));
+            let b: Vec<f64> = (0..(n + taps) * n).map(unit).collect();
+            let inverse = lstsq(Matrix::new(n + taps, cols, &a), Matrix::new(n + taps, n, &b)).unwrap();
+            let weights: Vec<f64> = inverse.chunks_exact(n).map(|line| dense::dot(line, &y)).collect();
+            let fit = |i: usize| (0..cols).map(|j| entry(i, j) * weights[j]).sum::<f64>();
+            let residual: f64 = (0..n).map(|i| (y[i] - fit(i)).powi(2)).sum();
+            let trace: f64 =
+                (0..n).map(|i| (0..cols).map(|j| entry(i, j) * inverse[j * n + i]).sum::<f64>()).sum();
+            (weights, residual / (n as f64 - trace).powi(2))
+        };
+        let mut best = (0.0, f64::INFINITY);
+        let mut step = 0.2;
+        let mut search: Vec<f64> = (-70..20).map(|i| step * f64::from(i)).collect();
+        while step > 1e-4 {
+            for log in search {
+                let (_, v) = fitted(log);
+                best = if v < best.1 { (log, v) } else { best };
+            }
+            step /= 4.0;
+            search = [-3.0, -2.0, -1.0, 1.0, 2.0, 3.0].map(|i| best.0 + i * step).to_vec();
+        }
+        let expected = fitted(best.0).0;
+        let found = ClassSolver::new(&Solver::Ridge, form, &statistics).solve(&moments, false, 0).unwrap();
+        for (a, b) in found.weights.iter().zip(&expected) {
+            // With one degree of freedom more or less, weights change by a tenth of the largest.
+            assert!((a - b).abs() < 5e-3 * largest(&expected[..taps]), "{form:?}: {a} for {b}");
+        }
+        let offset = expected.get(taps).copied().unwrap_or(0.0);
+        assert!((found.offsets[0] - offset).abs() < 1e-2, "{form:?}: {} for {offset}", found.offsets[0]);
+    }
+}

@@ -52,3 +52,29 @@ fn registers_are_their_lanes() {
     assert_eq!(Register::flat(&registers), expected);
     assert!(Register::<f32, 16>::flat(&[]).is_empty());
 }
+
+/// Lines that end within longer memory: what follows an end is not read.
+#[test]
+fn lines_end_where_they_end() {
+    fn check<S: Copy + Default + PartialEq + std::fmt::Debug>(
+        interleave: fn(&[&[S]], usize, &mut Vec<S>),
+        memory: &[Vec<S>],
+    ) {
+        let (columns, mut out) = (memory[0].len(), Vec::new());
+        for count in 1..=memory.len() {
+            for len in [0, 17, 31, 34, columns - 1, columns] {
+                let lines: Vec<&[S]> = memory.iter().take(count).map(|line| &line[..len]).collect();
+                let at = |i: usize| lines[i % count].get(i / count).copied().unwrap_or_default();
+                let expected: Vec<S> = (0..columns * count).map(at).collect();
+                for &set in SETS {
+                    with_widest(set, || interleave(&lines, columns, &mut out));
+                    assert_eq!(out, expected, "{count} lines of {len}, {set:?}");
+                }
+            }
+        }
+    }
+    let numbers: Vec<Vec<i16>> = (0..11).map(|line| (0..96).map(|i| 1 + 100 * line + i).collect()).collect();
+    check(interleave_i16, &numbers);
+    let single = numbers.iter().map(|line| line.iter().map(|v| f32::from(*v)).collect());
+    check(interleave_f32, &single.collect::<Vec<_>>());
+}

@@ -141,3 +141,73 @@ fn centroid(line: &[(f64, f64)], windows: CentroidWindow, centre: f64, last: f64
 pub(super) fn hamming(distance: f64, half_width: f64) -> f64 {
     if distance.abs() > half_width { 0.0 } else { 0.54 + 0.46 * (PI * distance / half_width).cos() }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Lines of 40 pixels across a step at a place of each line.
+    fn lines(count: usize, place: impl Fn(usize) -> f64) -> Lines {
+        let value = |x: usize, at: f64| (x as f64 - at).clamp(-0.5, 0.5);
+        let line = |y: usize| (0..40).map(|x| (x as f64, value(x, place(y)))).collect();
+        Lines { lines: (0..count).map(line).collect(), width: 40 }
+    }
+
+    /// Also where the edge enters and leaves the region through its long sides.
+    #[test]
+    fn a_straight_edge_is_found() {
+        for windows in [CentroidWindow::OnEdge, CentroidWindow::Sfrmat] {
+            for (count, intercept, slope) in
+                [(24, 18.3, 0.13), (24, 26.0, -0.31), (60, -5.2, 0.84), (60, 44.1, -0.8)]
+            {
+                let line = lines(count, |y| intercept + slope * y as f64);
+                let fit = fit(&line, windows).unwrap();
+                let middle = |intercept: f64, slope: f64| intercept + slope * (count - 1) as f64 / 2.0;
+                let off = (middle(fit.intercept, fit.slope) - middle(intercept, slope)).abs();
+                // A pixel on the border of the region shows where the edge is to half a pixel.
+                assert!((fit.slope - slope).abs() < 0.02 && off < 0.2, "{slope}: {} {off}", fit.slope);
+                assert!(fit.residual_rms < 1.0, "{slope}: {}", fit.residual_rms);
+            }
+        }
+    }
+
+    #[test]
+    fn an_inverted_step_lies_at_the_same_place() {
+        let upright = lines(30, |y| 17.0 + 0.2 * y as f64);
+        let turned = |line: &Vec<(f64, f64)>| line.iter().map(|&(x, v)| (x, 3.0 - 2.0 * v)).collect();
+        let inverted = Lines { lines: upright.lines.iter().map(turned).collect(), width: 40 };
+        for windows in [CentroidWindow::OnEdge, CentroidWindow::Sfrmat] {
+            let [a, b] = [&upright, &inverted].map(|lines| fit(lines, windows).unwrap());
+            assert!((a.intercept - b.intercept).abs() < 1e-9 && (a.slope - b.slope).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn what_is_no_straight_edge_says_why() {
+        let reason = |lines: &Lines| match fit(lines, CentroidWindow::OnEdge) {
+            Err(MetricError::NoEdge(reason)) => reason,
+            _ => panic!("an edge"),
+        };
+        // Steps in turn far to the left and to the right.
+        let torn = lines(24, |y| if y % 4 == 0 || y % 4 == 3 { 10.0 } else { 29.0 });
+        assert!(reason(&torn).contains("do not agree"));
+        let flat = Lines { lines: vec![(0..40).map(|x| (f64::from(x), 0.7)).collect(); 24], width: 40 };
+        assert!(reason(&flat).contains("no step"));
+        // The line through the few samples that there are leaves the region before its middle.
+        let mut part = lines(60, |y| 2.0 + 2.2 * y as f64);
+        part.lines[17..].iter_mut().for_each(Vec::clear);
+        assert!(reason(&part).contains("misses the middle"));
+    }
+
+    #[test]
+    fn regions_are_read_across_their_edge() {
+        let rect = Rect { row: 2, col: 3, rows: 9, cols: 12 };
+        let (orientation, found) = gather(rect, |_, col| (col % 2 == 1).then_some(col as f64)).unwrap();
+        assert_eq!((orientation, found.lines.len(), found.width), (EdgeOrientation::Vertical, 9, 12));
+        let expected: Vec<(f64, f64)> = (0..6).map(|i| (f64::from(2 * i), f64::from(2 * i + 3))).collect();
+        assert!(found.lines.iter().all(|line| *line == expected));
+        let (orientation, found) = gather(rect, |row, _| Some(row as f64)).unwrap();
+        assert_eq!((orientation, found.lines.len(), found.width), (EdgeOrientation::Horizontal, 12, 9));
+        assert!(found.lines.iter().all(|l| l.iter().all(|(x, v)| *v == x + 2.0) && l.len() == 9));
+    }
+}

@@ -214,4 +214,29 @@ mod tests {
         }
         assert_eq!(derivative_correction(0.0), 1.0);
     }
+    /// Lines of an edge at slope 1:10, each with samples at the places that are kept. Together they sample its profile every tenth of a pixel.
+    fn sampled(keep: impl Fn(f64) -> bool) -> f64 {
+        let fit = EdgeLine { intercept: 19.02, slope: 0.1, residual_rms: 0.0 };
+        let line = |y: usize| {
+            let from_edge = |x: usize| x as f64 - fit.intercept - fit.slope * y as f64;
+            (0..40).filter(|x| keep(from_edge(*x))).map(|x| (x as f64, 0.0)).collect()
+        };
+        largest_gap_px(&Lines { lines: (0..20).map(line).collect(), width: 40 }, &fit)
+    }
+
+    #[test]
+    fn gaps_on_both_sides_of_the_edge_are_found() {
+        // A division is a twentieth of a pixel.
+        let near = |gap: f64, expected: f64| (gap - expected).abs() < 0.11;
+        assert!(near(sampled(|_| true), 0.1));
+        for middle in [-8.0, -3.0, 0.0, 3.0, 8.0] {
+            for width in [0.5, 2.0] {
+                let gap = sampled(|x| (x - middle).abs() > width / 2.0);
+                assert!(near(gap, width), "{width} at {middle}: {gap}");
+            }
+        }
+        // Farther than a quarter of the width from the edge, the profile is level.
+        assert!(near(sampled(|x| x.abs() < 10.2), 0.1));
+        assert!(sampled(|_| false) > 19.9);
+    }
 }

@@ -8,7 +8,7 @@ mod wiener;
 use smalti::camera::description::OpticsModelName;
 use smalti::camera::{Camera, CameraDescription};
 use smalti::design::DesignError;
-use smalti::design::light::{LightClasses, LightGatherer, LightSettings, LightStatistics};
+use smalti::design::light::{LightClasses, LightGatherer, LightParts, LightSettings, LightStatistics};
 use smalti::design::screen::{
     ExpectedError, FigureWeights, Figures, FilterResponses, Screen, ScreenCondition, ScreenTime,
 };
@@ -261,7 +261,11 @@ fn statistics_of_two_sets_are_those_of_both() {
         for (x, y) in class.moments.sums().iter().zip(merged.moments.sums()) {
             assert!((x - y).abs() <= 1e-12 * x.abs().max(1.0));
         }
+        assert_eq!(class.colors, merged.colors);
+        assert_eq!(class.per_white_squared, merged.per_white_squared);
     }
+    assert_eq!(first.parts().energy, both.parts().energy);
+    assert!(first.luminance_error() == both.luminance_error() && first.luminance_error() < 0.1);
     // Any thread count gives the same bits.
     let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     let again = one.install(|| statistics(&camera, std::slice::from_ref(&a), &settings));
@@ -299,4 +303,76 @@ fn what_cannot_be_described_is_refused() {
     );
     let empty = empty.unwrap().statistics();
     assert!(matches!(Screen::new(&plain, &empty, &[condition()]), Err(DesignError::TooFewPatches { .. })));
+}
+
+/// The statistics of a small picture of a chart, of one class.
+fn of_chart(camera: &Camera, luminance_cd_m2: f64) -> LightStatistics {
+    let setting = Setting { grid: GRID, luminance_cd_m2, ..Setting::default() };
+    let deg = camera.field_of_view_deg(24, setting.distance_m).unwrap();
+    let chart = catalog::build_natural("macbeth?patch=8", &setting).unwrap().with_fov(deg).unwrap();
+    let classes = LightClasses { contrast_cuts: Vec::new(), ..LightClasses::default() };
+    statistics(camera, &[chart], &LightSettings { side: 3, ..settings(classes) })
+}
+
+/// Statistics are relative to the luminance of a scene, but for the rounding of light to single precision.
+#[test]
+fn statistics_do_not_depend_on_the_luminance() {
+    let camera = camera();
+    let [dim, bright] = [2.0, 300.0].map(|luminance| of_chart(&camera, luminance).parts());
+    assert_eq!(dim.classes.len(), 1);
+    let (a, b) = (&dim.classes[0], &bright.classes[0]);
+    // The error of Y is a difference of nearly equal numbers, of which rounding is a larger part.
+    let energy = dim.energy.iter().zip(&bright.energy).map(|pair| (pair, 1e-3));
+    // The number of patches, and the first and largest component of each of the nine pixels.
+    let firsts = 1 + 8 * dim.components.len() + 1;
+    let places = std::iter::once(0).chain((1..firsts).step_by(dim.components.len()));
+    let sums = places.map(|at| ((&a.sums[at], &b.sums[at]), 1e-4));
+    let white = std::iter::once(((&a.per_white_squared, &b.per_white_squared), 1e-4));
+    for ((x, y), tolerance) in energy.chain(sums).chain(white) {
+        assert!((x - y).abs() <= tolerance * x.abs().max(y.abs()).max(1e-3), "{x} {y}");
+    }
+    assert!(dim.energy[0] > 100.0 && dim.energy[1] < 0.01 * dim.energy[0], "{:?}", dim.energy);
+}
+
+/// The components describe white, which is among the colours that they are made for, to a small part of the energy that they leave out.
+#[test]
+fn white_is_the_sum_of_its_components() {
+    let statistics = of_chart(&camera(), 100.0);
+    assert_eq!(statistics.white_coefficients().len(), statistics.basis().len());
+    let white = Observer::Cie1931.white(&Illuminant::D65.photons(GRID).unwrap()).unwrap();
+    for c in 0..3 {
+        let parts = statistics.white_coefficients().iter().zip(statistics.xyz());
+        let found: f64 = parts.map(|(coefficient, xyz)| coefficient * xyz[c]).sum();
+        assert!((found - white[c]).abs() < 0.01, "{found} {}", white[c]);
+        assert_eq!(statistics.white()[c], white[c]);
+    }
+}
+
+/// Statistics that are made of the parts of others equal them, and a part that does not fit the others is named.
+#[test]
+fn statistics_are_those_of_their_parts() {
+    let statistics = of_chart(&camera(), 100.0);
+    assert_eq!(LightStatistics::from_parts(statistics.parts()).as_ref(), Ok(&statistics));
+    let key = |change: &dyn Fn(&mut LightParts)| {
+        let mut parts = statistics.parts();
+        change(&mut parts);
+        match LightStatistics::from_parts(parts) {
+            Err(DesignError::Key { key, .. }) => key,
+            other => panic!("{other:?}"),
+        }
+    };
+    assert_eq!(key(&|p| p.settings.side = 5), "class 0");
+    assert_eq!(key(&|p| p.settings.step_px = 0), "step_px");
+    assert_eq!(key(&|p| p.components.clear()), "components");
+    assert_eq!(key(&|p| p.components[1][3] = f64::NAN), "components");
+    assert_eq!(key(&|p| drop(p.analysis.pop())), "analysis");
+    assert_eq!(key(&|p| p.xyz[0][2] = f64::INFINITY), "xyz");
+    assert_eq!(key(&|p| p.white_coefficients.push(1.0)), "white_coefficients");
+    assert_eq!(key(&|p| p.white[1] = 0.0), "white");
+    assert_eq!(key(&|p| p.energy[1] = -1.0), "energy");
+    assert_eq!(key(&|p| p.left_out = 1.1), "left_out");
+    assert_eq!(key(&|p| p.classes[0].number = 1), "class 1");
+    assert_eq!(key(&|p| p.classes[0].sums.truncate(5)), "class 0");
+    assert_eq!(key(&|p| p.classes[0].per_white_squared = 0.0), "class 0");
+    assert_eq!(key(&|p| p.classes[0].colors = Default::default()), "class 0");
 }

@@ -107,3 +107,23 @@ fn annealing_finds_what_enumeration_finds() {
         assert_eq!(found, one.install(|| layouts.layouts(colors, &|_| true).unwrap()));
     }
 }
+
+/// A search that goes on searches each start to the end; one that is stopped after the first leaves the others as they are.
+#[test]
+fn only_a_search_that_is_stopped_ends_early() {
+    let screens = [screen(5, 5, 3)];
+    let space = FilterSpace::Free(FreeCurves::default()).sampled(GRID).unwrap();
+    let goal = Objective::default().goal(&[ExpectedError::default()]);
+    let settings = SearchSettings { starts: 6, steps: 100, seed: 4 };
+    let search = FilterSearch { settings, ..search(&screens, &space, &goal) };
+    let mosaic = Mosaic::new(2, 2, vec![0, 1, 2, 1]).unwrap();
+    // With one thread, starts follow each other.
+    let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    let costs = |goes_on: bool| -> f64 {
+        let found = one.install(|| search.filters(&mosaic, &[], 0, &|_| goes_on).unwrap());
+        assert_eq!(found.len(), 3);
+        found.iter().map(|f| f.cost).sum()
+    };
+    let (all, stopped) = (costs(true), costs(false));
+    assert!(all < stopped, "{all} {stopped}");
+}

@@ -104,11 +104,37 @@ fn key(series: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::series::MEASURED;
+    use super::*;
     use crate::sensor::cfa::builtin_filters;
 
     #[test]
     fn every_measured_filter_is_in_the_series() {
         let measured = builtin_filters().iter().filter(|f| f.source.starts_with("Measured")).map(|f| f.name);
         assert!(measured.eq(MEASURED));
+    }
+
+    /// What cannot be sampled is named: a filter that is stated, or either end of a series.
+    #[test]
+    fn filters_that_cannot_be_sampled_are_named() {
+        let named = |name: &str, filter: Filter| BTreeMap::from([(name.to_owned(), filter)]);
+        let peak = |peak| Series::RaisedCosine {
+            centers_nm: [450.0, 100.0, 650.0],
+            fwhms_nm: [60.0, 20.0, 80.0],
+            peak,
+        };
+        let key = |library: Library| match library.validate() {
+            Err(DesignError::Key { key, .. }) => key,
+            other => panic!("{other:?}"),
+        };
+        let filters = named("green", Filter::File("green.csv".into()));
+        assert_eq!(key(Library { filters, ..Library::default() }), "library.filters.green");
+        let series = vec![Series::Measured, peak(1.5)];
+        assert_eq!(key(Library { series, ..Library::default() }), "library.series[1]");
+        let good = Library {
+            filters: named("clear", Filter::Flat(0.9)),
+            series: vec![Series::Measured, peak(1.0), Series::Dyes(Dyes::default())],
+        };
+        assert_eq!(good.validate(), Ok(()));
+        assert_eq!(Library::default().validate(), Ok(()));
     }
 }

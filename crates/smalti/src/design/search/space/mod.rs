@@ -233,4 +233,28 @@ mod tests {
         let mixture = Mixtures { library: builtin(&["no such filter"]) };
         assert_eq!(key(FilterSpace::Mixtures(mixture)), "mixtures.library[0]");
     }
+
+    /// A filter of pigments has the layers of its parameters; filters of other families have none.
+    #[test]
+    fn layers_are_those_of_pigments_alone() {
+        for family in continuous() {
+            let space = family.sampled(WavelengthGrid::VISIBLE).unwrap();
+            // Green and yellow, if they are pigments: others are absent.
+            let mut parameters = vec![-60.0; space.parameters()];
+            (parameters[1], parameters[space.parameters() - 1]) = (-0.6, 2.9);
+            let filter = space.spectrum(&parameters).unwrap();
+            assert_eq!(filter.values(), space.transmittance(&parameters));
+            let (found, stated) = (space.layers(&filter), space.thicknesses(&parameters));
+            let is_pigments = matches!(family, FilterSpace::Pigments(_));
+            assert_eq!((found.is_some(), stated.is_some()), (is_pigments, is_pigments), "{family:?}");
+            for (found, stated) in found.iter().flatten().zip(stated.iter().flatten()) {
+                assert!((found - stated).abs() < 1e-9, "{found} {stated}");
+            }
+            assert_eq!((space.choices(), space.clear()), (None, family.clear()));
+        }
+        let measured = FilterSpace::Measured(Measured { library: builtin(&["pigment/R", "pigment/G"]) });
+        let space = measured.sampled(WavelengthGrid::VISIBLE).unwrap();
+        assert_eq!((space.choices(), space.parameters(), space.clear()), (Some(2), 1, 1.0));
+        assert_eq!(space.layers(&space.spectrum(&[1.0]).unwrap()), None);
+    }
 }
