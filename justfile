@@ -53,10 +53,10 @@ deny:
 fuzz *args:
     tools/fuzz {{args}}
 
-# Tries every 400th mutant of what Smalti computes, or of another share: `just mutants 3/1000`.
-mutants shard="0/400":
+# Measures the share of mutants of what Smalti computes that the tests notice, in a sample: `just mutants --seed 3`.
+mutants *args:
     command -v cargo-mutants >/dev/null || cargo install --locked cargo-mutants
-    cargo mutants -p smalti --sharding round-robin --shard {{shard}}
+    tools/mutants {{args}}
 
 # Runs the tests of the crates with unsafe code under the address sanitizer, all or some: `just sanitize l3::render`.
 sanitize *filters:

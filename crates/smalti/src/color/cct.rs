@@ -176,4 +176,18 @@ mod tests {
             assert!(matches!(locus().cct(xyz), Err(CctError::FarFromLocus { .. })), "{xy:?}");
         }
     }
+
+    /// Beyond either end of the range, the nearest temperature is that of the end, and no colour temperature.
+    #[test]
+    fn temperatures_beyond_the_range_are_refused() {
+        let grid = WavelengthGrid::new(360.0, 5.0, 95).unwrap();
+        for (temperature_k, end_k) in [(980.0, 1000.0), (130_000.0, 100_000.0)] {
+            let light = Illuminant::Blackbody { temperature_k }.photons(grid).unwrap();
+            let xyz = Observer::Cie1931.xyz_from_photons(&light).unwrap();
+            let Err(CctError::FarFromLocus { cct_k, duv }) = locus().cct(xyz) else {
+                panic!("{temperature_k} K is accepted");
+            };
+            assert!((cct_k / end_k - 1.0).abs() < 1e-4 && duv.abs() < 0.05, "{cct_k} K, {duv}");
+        }
+    }
 }

@@ -216,3 +216,34 @@ struct PatchTraining<'a> {
     /// The largest Y of a target, on the scale of the samples. The raw image does not determine the luminance of brighter light.
     most: f64,
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::{CameraDescription, EvaluationSettings};
+    use crate::l3::Textures;
+    use crate::spectrum::WavelengthGrid;
+
+    /// A thorough pipeline has learned from darker light than one that is learned at the exposure of the design, and from light as bright.
+    #[test]
+    fn thorough_learning_reaches_into_the_dark() {
+        let camera = Camera::new(CameraDescription::default(), WavelengthGrid::VISIBLE).unwrap();
+        let settings = EvaluationSettings::default();
+        let targets = Targets::new(&camera, &settings, &[], &[], &|_, make| make()).unwrap();
+        let settings = LearningSettings {
+            side: 3,
+            size_px: 48,
+            statistics: LearningStatistics::Patches,
+            textures: Textures::None,
+            ..LearningSettings::default()
+        };
+        let trainer = PipelineTrainer::new(&targets, &settings, &|_, make| make()).unwrap();
+        let cfa = &camera.sensor.cfa;
+        let quick = trainer.quick_patch_pipeline(&trainer.data.exposed(cfa).unwrap()).unwrap();
+        let thorough = trainer.thorough_pipeline(cfa, &[]).unwrap();
+        assert_eq!(quick.trained().len(), thorough.trained().len());
+        for (one, many) in quick.trained().iter().zip(thorough.trained()) {
+            assert!(many[0] < 0.5 * one[0] && many[1] > 0.9 * one[1], "{one:?} {many:?}");
+        }
+    }
+}

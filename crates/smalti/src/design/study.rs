@@ -425,4 +425,24 @@ pub(super) mod tests {
         let beyond = DesignError::NoSuchTrial { number: 40, count: 40 };
         assert_eq!(trials.trial(40), Err(beyond));
     }
+
+    /// A tile in letters is the given one, and the camera with a design has its filters and its mosaic, by the same letters.
+    #[test]
+    fn letters_name_the_filters_of_a_mosaic() {
+        let trials = Trials::new(study()).unwrap();
+        let grid = WavelengthGrid::VISIBLE;
+        for (number, tile, names) in [(0, "bc/ab", "ABC"), (5, "ab/cd", "ABCD")] {
+            let design = trials.trial(number).unwrap().design;
+            assert_eq!(design.tile(), tile);
+            let cfa = design.cfa(grid).unwrap();
+            assert_eq!(cfa.channels().iter().map(|c| &*c.name).collect::<String>(), names);
+            let camera = design.camera(&CameraDescription::default());
+            let found = crate::camera::Camera::new(camera, grid).unwrap().sensor.cfa;
+            // Its channels may be in another order.
+            let of_cells = |cfa: &Cfa| -> Vec<Channel> {
+                cfa.mosaic().cells().iter().map(|c| cfa.channels()[usize::from(*c)].clone()).collect()
+            };
+            assert_eq!(of_cells(&found), of_cells(&cfa));
+        }
+    }
 }

@@ -199,3 +199,73 @@ impl<'a, S: Source> Table<'a, S> {
         Ok(whole)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    use crate::l3::Levels;
+    use crate::sensor::{Mosaic, SignalNoise};
+
+    fn axes(cuts: &[f32]) -> Axes {
+        let noise = SignalNoise { constant: 1e-6, per_signal: 1e-4, ..SignalNoise::default() };
+        let mosaic = Mosaic::new(2, 2, vec![0, 1, 1, 2]).unwrap();
+        Axes::new(mosaic, 3, Levels::new(cuts.to_vec()).unwrap(), noise).unwrap()
+    }
+
+    /// Kernels of a single weight: the class that they are solved for.
+    struct Classes;
+
+    impl Source for Classes {
+        fn count(&self, _: Pool) -> u64 {
+            10
+        }
+
+        fn solve(&self, _: Pool, _: bool, class: usize) -> Result<Solution, L3Error> {
+            Ok(Solution { weights: vec![class as f64], offsets: vec![0.0] })
+        }
+    }
+
+    #[test]
+    fn classes_are_numbered_through_all_positions() {
+        let axes = axes(&[0.1, 0.4]);
+        let mut next = 0;
+        for position in 0..axes.positions() {
+            for (solution, origin) in Table::new(position, Classes, &axes, 2, 10).filled(0.0).unwrap() {
+                assert_eq!((solution.weights[0], origin), (f64::from(next), Origin::Learned));
+                next += 1;
+            }
+        }
+        assert_eq!(next as usize, axes.positions() * 2 * 3 * axes.textures().count());
+    }
+
+    /// Kernels of a single weight, their level. Only these levels have patches.
+    struct LevelsSeen([usize; 2]);
+
+    impl Source for LevelsSeen {
+        fn count(&self, pool: Pool) -> u64 {
+            if pool.level.is_none_or(|level| self.0.contains(&level)) { 10 } else { 0 }
+        }
+
+        fn solve(&self, pool: Pool, _: bool, _: usize) -> Result<Solution, L3Error> {
+            Ok(Solution { weights: vec![pool.level.unwrap() as f64], offsets: vec![0.0] })
+        }
+    }
+
+    #[test]
+    fn levels_without_a_logarithm_are_interpolated_by_their_place() {
+        let axes = axes(&[-0.5, -0.4, -0.3, -0.2, -0.1]);
+        let table = Table::new(0, LevelsSeen([1, 4]), &axes, 1, 10);
+        for (index, (solution, origin)) in table.filled(0.0).unwrap().into_iter().enumerate() {
+            let level = table.place(index)[1];
+            let (expected, from) = match level {
+                1 | 4 => (level, Origin::Learned),
+                2 | 3 => (level, Origin::Interpolated),
+                _ => (level.clamp(1, 4), Origin::NearestLevel),
+            };
+            assert_eq!(origin, from, "level {level}");
+            // Rounding of two shares.
+            assert!((solution.weights[0] - expected as f64).abs() < 1e-12, "{level}: {:?}", solution.weights);
+        }
+    }
+}

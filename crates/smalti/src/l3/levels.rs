@@ -154,4 +154,16 @@ mod tests {
         }
         assert_eq!(Levels::new(vec![0.1, 0.4]).unwrap().middle(0), f64::from(0.1f32) / 2.0);
     }
+
+    #[test]
+    fn a_response_between_two_cuts_lies_apart_from_both() {
+        for cuts in [[-0.4, -0.1, 0.0], [-0.1, 0.0, 0.2], [0.0, 0.2, 0.4], [1e-6, 0.1, 0.9]] {
+            let levels = Levels::new(cuts.to_vec()).unwrap();
+            for (level, cut) in (1..).zip(cuts.windows(2)) {
+                let (middle, width) = (levels.middle(level), f64::from(cut[1] - cut[0]));
+                let apart = (middle - f64::from(cut[0])).min(f64::from(cut[1]) - middle);
+                assert!(apart > 1e-3 * width, "{cuts:?}: {middle}");
+            }
+        }
+    }
 }

@@ -257,3 +257,61 @@ fn spatial_statistics(frames: &[&[f32]], size: usize) -> Result<(f64, f64), Metr
     let spatial = means.iter().map(|m| (m - mean).powi(2)).sum::<f64>() / (n - 1.0);
     Ok((mean, spatial - temporal / n / count))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two frames of a mean and a temporal variance.
+    fn pair(mean: f64, variance: f64) -> [Vec<f32>; 2] {
+        let half = variance.sqrt() / 2.0;
+        [half, -half].map(|d| vec![(mean + d) as f32, (mean - d) as f32])
+    }
+
+    /// The gain is that of the linear part, whatever happens near saturation and beyond it.
+    #[test]
+    fn the_gain_is_not_fitted_near_saturation_and_beyond() {
+        const GAIN: f64 = 0.25;
+        // Noise beyond that of photons above 70 % of saturation; frames that are dark again beyond saturation.
+        let point = |x: i32| match x {
+            ..=14 => (100.0 * f64::from(x), 1.0),
+            15..=20 => (100.0 * f64::from(x), 1.5),
+            _ => (900.0, 0.1),
+        };
+        let dark = pair(64.0, 4.0);
+        let frames: Vec<(f64, [Vec<f32>; 2])> = (1..=24)
+            .map(|x| (x, point(x)))
+            .map(|(x, (signal, noise))| (f64::from(x), pair(64.0 + signal, 4.0 + GAIN * signal * noise)))
+            .collect();
+        let levels: Vec<FlatPair<'_>> = frames
+            .iter()
+            .map(|(exposure, [a, b])| FlatPair {
+                exposure: *exposure,
+                bright: [a, b],
+                dark: [&dark[0], &dark[1]],
+            })
+            .collect();
+        let found = photon_transfer(&levels, None, 0.0).unwrap();
+        // Samples of single precision.
+        assert!((found.gain_dn_per_e / GAIN - 1.0).abs() < 1e-4, "{}", found.gain_dn_per_e);
+        assert!((found.saturation_e * GAIN / 2000.0 - 1.0).abs() < 1e-4, "{}", found.saturation_e);
+        assert!((found.dark_noise_e * GAIN / 2.0 - 1.0).abs() < 1e-4, "{}", found.dark_noise_e);
+        assert!(found.linearity_error_percent < 1e-3, "{}", found.linearity_error_percent);
+    }
+
+    #[test]
+    fn a_straight_line_is_linear_whatever_its_offset() {
+        for (offset, rise) in [(0.0, 10.0), (7.0, 10.0), (-3.0, 4.0), (0.3, 1e3)] {
+            let point = |x: i32| TransferPoint {
+                exposure: f64::from(x),
+                signal_dn: offset + rise * f64::from(x),
+                variance_dn2: 1.0,
+                dark_variance_dn2: 0.0,
+            };
+            let curve: Vec<TransferPoint> = (1..=20).map(point).collect();
+            let error = linearity_error_percent(&curve, point(20)).unwrap();
+            // Rounding, far below a part in 10¹⁰.
+            assert!(error < 1e-8, "{offset} {rise}: {error} %");
+        }
+    }
+}

@@ -287,4 +287,23 @@ mod tests {
         }
         assert!(Eigen::of(&[f64::NAN], 1).is_none() && !cholesky(&mut [f64::NAN], 1, 0.0));
     }
+
+    /// Rotations of the smallest numbers that there are vanish within a sweep.
+    #[test]
+    fn the_smallest_numbers_have_the_eigenvalues_of_whole_ones() {
+        let unit = f64::from_bits(1);
+        for ([a, b, c], [d, e]) in [
+            ([-2.0, -2.0, 3.0], [-2.0, -4.0]),
+            ([1.0, 2.0, 4.0], [-2.0, -3.0]),
+            ([5.0, -4.0, -2.0], [-1.0, -4.0]),
+            ([1.0, 2.0, -2.0], [-5.0, 2.0]),
+        ] {
+            let whole = [a, d, 0.0, d, b, e, 0.0, e, c];
+            let expected = Eigen::of(&whole, 3).unwrap().values;
+            let found = Eigen::of(&whole.map(|v| v * unit), 3).unwrap().values;
+            // Every number is rounded to a unit.
+            let near = found.iter().zip(&expected).all(|(found, v)| (found / unit - v).abs() <= 2.0);
+            assert!(near, "{found:?} for {expected:?} units");
+        }
+    }
 }

@@ -357,4 +357,38 @@ mod tests {
             assert!(draws(mean, 1).iter().all(|k| (low..=high).contains(k)), "{mean}");
         }
     }
+
+    /// Where the full test begins to reject, the hat times v is the exact probability of the count.
+    #[test]
+    fn the_full_test_rejects_from_the_exact_bound_on() {
+        let accepts = |mean: f64, u: u32, v: u32| {
+            let mut trial =
+                Candidates { lane: [0; LANES], mean: [mean; LANES], u: [u; LANES], v: [v; LANES] };
+            trial.full_test(1, &mut [0.0; LANES]) == 0
+        };
+        let (mut small, mut large) = (0, 0);
+        for mean in [10.0, 14.0, 16.5, 20.0, 300.0] {
+            for u in (1..64).map(|i| i << 26) {
+                let one = Candidate::new(mean, u, 0);
+                // The hat reaches below 0, where there are no counts.
+                if one.k < 0.0 {
+                    assert!(!accepts(mean, u, 0), "{mean} {u}");
+                    continue;
+                }
+                let hat = one.inverse_alpha / (one.a / (one.us * one.us) + one.b);
+                let exact = ln_pmf(mean, one.k).exp() / hat;
+                let (mut accepted, mut rejected) = (0u32, u32::MAX);
+                assert!(accepts(mean, u, accepted) && !accepts(mean, u, rejected), "{mean} {u}");
+                while rejected - accepted > 1 {
+                    let middle = accepted + (rejected - accepted) / 2;
+                    *(if accepts(mean, u, middle) { &mut accepted } else { &mut rejected }) = middle;
+                }
+                // v is that of a half more than the word.
+                let found = (f64::from(accepted) + 1.0) / 4_294_967_296.0;
+                assert!((found - exact).abs() < 0.6 / 4_294_967_296.0, "{mean} {u}: {found} for {exact}");
+                *(if one.k < 16.0 { &mut small } else { &mut large }) += 1;
+            }
+        }
+        assert!(small > 0 && large > 0, "{small} {large}");
+    }
 }

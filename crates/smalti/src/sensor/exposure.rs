@@ -53,3 +53,30 @@ impl Exposure {
         require(good, "analog_offset_v", self.analog_offset_v, expected)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_field_out_of_range_is_refused_by_name() {
+        let good = Exposure::new(0.01);
+        let low = |conversion_gain_v_per_e, read_noise_v| {
+            ConversionGain::Low(crate::sensor::LowGain { conversion_gain_v_per_e, read_noise_v })
+        };
+        for exposure in [good, Exposure::new(0.0), Exposure { conversion_gain: low(1e-5, 0.0), ..good }] {
+            assert!(exposure.validate().is_ok(), "{exposure:?}");
+        }
+        for (exposure, name) in [
+            (Exposure::new(-1e-9), "time_s"),
+            (Exposure::new(f64::NAN), "time_s"),
+            (Exposure { analog_gain: 0.0, ..good }, "analog_gain"),
+            (Exposure { analog_offset_v: 1001.0, ..good }, "analog_offset_v"),
+            (Exposure { conversion_gain: low(0.0, 0.0), ..good }, "low conversion_gain_v_per_e"),
+            (Exposure { conversion_gain: low(1e-5, -1.0), ..good }, "low read_noise_v"),
+        ] {
+            let error = exposure.validate().unwrap_err().to_string();
+            assert!(error.contains(name), "{error}");
+        }
+    }
+}

@@ -318,3 +318,64 @@ fn an_offset_moves_the_levels_and_not_their_distance() {
         }
     }
 }
+
+/// The noise of normalised samples is that of volts, term by term: a polynomial of second order on both sides of the switch.
+#[test]
+fn noise_of_normalised_samples_is_that_of_volts() {
+    for binning in [None, Some(BinningMode::Charge), Some(BinningMode::Digital)] {
+        let mut s = device(20);
+        s.pixel.dark_voltage_v_per_s = 0.05;
+        (s.nonuniformity.prnu_fraction, s.nonuniformity.dsnu_v) = (0.01, 3e-4);
+        (s.nonuniformity.row_noise_v, s.nonuniformity.column_noise_v) = (1e-4, 2e-4);
+        s.binning = binning.map(|mode| Binning { side: 2, mode });
+        // Binned samples are not combined.
+        let gains = [high(), low(), combined()].into_iter().take(if binning.is_none() { 3 } else { 2 });
+        for e in gains {
+            let e = Exposure { analog_gain: 1.25, analog_offset_v: 0.02, ..e };
+            let levels = s.raw_levels(&e).unwrap();
+            let range_v = levels.white_v - levels.black_v;
+            let noise = s.signal_noise(&e).unwrap();
+            for signal in [0.0, 0.01, 0.1, 0.5, 0.9] {
+                let electrons = signal * range_v / (s.volts_per_electron(&e) * e.analog_gain);
+                let expected = s.noise_variance(electrons, &e).unwrap().total();
+                let found = noise.variance(signal) * range_v * range_v;
+                // Rounding.
+                assert!(
+                    (found / expected - 1.0).abs() < 1e-9,
+                    "{binning:?} {e:?} {signal}: {found} for {expected}"
+                );
+            }
+        }
+    }
+}
+
+/// An offset of 0.1 V leaves the high gain 0.9 V, 9000 electrons: it is read up to 8550 of them.
+#[test]
+fn an_offset_moves_the_switch_of_the_noise() {
+    let mut s = device(20);
+    s.adc.black_level_dn = 0.0;
+    let offset = |e: Exposure| Exposure { analog_offset_v: 0.1, ..e };
+    let read = |electrons, e| s.noise_variance(electrons, &offset(e)).unwrap().read;
+    for electrons in [0.0, 5000.0, 8400.0] {
+        assert_eq!(read(electrons, combined()), read(electrons, high()));
+    }
+    for electrons in [8700.0, 9500.0, 20_000.0] {
+        // On the scale of the high gain, which is four times the low one.
+        assert!((read(electrons, combined()) / (16.0 * read(electrons, low())) - 1.0).abs() < 1e-12);
+    }
+}
+
+/// Independent offsets of four photodiodes: of their sum four times the variance, of their mean a quarter.
+#[test]
+fn offsets_of_binned_photodiodes_add_or_average() {
+    let mut s = device(20);
+    s.nonuniformity.dsnu_v = 3e-4;
+    for e in [high(), low()] {
+        let single = s.noise_variance(0.0, &e).unwrap().dsnu;
+        for (mode, share) in [(BinningMode::Charge, 4.0), (BinningMode::Digital, 0.25)] {
+            let binned = Sensor { binning: Some(Binning { side: 2, mode }), ..s.clone() };
+            let found = binned.noise_variance(0.0, &e).unwrap().dsnu;
+            assert!((found / single - share).abs() < 1e-12, "{mode:?}: {found} for {single}");
+        }
+    }
+}

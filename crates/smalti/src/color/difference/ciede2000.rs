@@ -238,4 +238,18 @@ mod tests {
             assert_eq!((delta_e_2000(lab1, lab1), delta_e_2000(lab2, lab2)), (0.0, 0.0));
         }
     }
+
+    /// Hues of 0° and 180°, and of 90° and 270°, are 180° apart exactly: their mean hue is the printed one, 90° or 180°, and not its opposite.
+    #[test]
+    fn exactly_opposite_hues_have_the_printed_mean() {
+        for (near, far) in
+            [([40.0, 0.0], [-20.0, 0.0]), ([0.0, 40.0], [0.0, -20.0]), ([3.0, 0.0], [-70.0, 0.0])]
+        {
+            let [lab1, lab2] = [near, far].map(|[a, b]| [50.0, a, b]);
+            for (from, to) in [(lab1, lab2), (lab2, lab1)] {
+                let (got, expected) = (delta_e_2000(from, to), printed(from, to));
+                assert!((got - expected).abs() < 1e-9, "{from:?}, {to:?}: {got} is not {expected}");
+            }
+        }
+    }
 }

@@ -102,3 +102,14 @@ fn pictures_keep_highlights_and_bad_ones_are_refused() {
     let empty = uplift.uplift_image(&picture(ColorSpace::LinearSrgb, Vec::new()));
     assert!(matches!(empty, Err(UpliftError::Spectrum(_))), "{empty:?}");
 }
+
+/// The nodes ascend from the darkest to the lightest value, and are as dense near white as near black.
+#[test]
+fn nodes_are_symmetric_between_the_limits() {
+    let nodes: Vec<f64> = (0..VALUES).map(value_of_node).collect();
+    assert!(nodes.windows(2).all(|w| w[0] < w[1]), "{nodes:?}");
+    for (dark, light) in nodes.iter().zip(nodes.iter().rev()) {
+        assert!((dark + light - DARKEST - LIGHTEST).abs() < 1e-14, "{dark} {light}");
+    }
+    assert!((nodes[0] - DARKEST).abs() < 1e-14, "{}", nodes[0]);
+}

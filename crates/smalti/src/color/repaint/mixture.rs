@@ -191,7 +191,7 @@ mod tests {
         // A surface far from all others is itself.
         let lone = measured([0.6, 0.3, 0.1]);
         let greys = [0.2, 0.4, 0.6].map(|v| measured([v; 3]));
-        let found = mixture(&[&greys[..], &[lone.clone()]].concat(), lone.xyz);
+        let found = mixture(&[&greys[..], std::slice::from_ref(&lone)].concat(), lone.xyz);
         for (found, wanted) in found.iter().zip(lone.xyz) {
             assert!((found / wanted - 1.0).abs() < 0.01, "{found} {wanted}");
         }

@@ -54,3 +54,21 @@ pub(super) fn set(sets: &[ListedSet], colors: usize, index: u128) -> Result<Filt
     let filters = ascending(named.collect())?.into_iter().map(|(_, filter)| filter).collect();
     Ok(FilterSet { label, filters })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A filter that cannot be sampled is named by its place in the study file.
+    #[test]
+    fn filters_that_cannot_be_sampled_are_named() {
+        let set = |last: Filter| ListedSet { label: None, filters: vec![Filter::Flat(0.5), last] };
+        let good = || set(Filter::Gaussian { center_nm: 500.0, sigma_nm: 30.0, peak: 1.0 });
+        assert_eq!(validate(&[good(), good()]), Ok(()));
+        let unknown = Filter::Builtin("no such filter".into());
+        match validate(&[good(), set(unknown), good()]) {
+            Err(DesignError::Key { key, .. }) => assert_eq!(key, "list[1].filters[1]"),
+            other => panic!("{other:?}"),
+        }
+    }
+}

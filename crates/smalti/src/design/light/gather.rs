@@ -330,3 +330,61 @@ fn white_level(y: &[f32]) -> f64 {
     let at = (last as f64 * (1.0 - ScoreSettings::default().highlight_share)) as usize;
     f64::from(*sorted.select_nth_unstable_by(at, f32::total_cmp).1)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::CameraDescription;
+    use crate::optics::OpticsModel;
+    use crate::sensor::{Binning, BinningMode};
+    use crate::spectrum::{SpectralCube, WavelengthGrid};
+
+    const GRID: WavelengthGrid = WavelengthGrid::VISIBLE;
+    const SIDE: usize = 24;
+
+    /// A grey scene on as many samples as it has pixels, with the given reflectance of its left half and white in its right half.
+    fn halves(camera: &Camera, left: f32) -> Scene {
+        let white = scene::uniform(SIDE, SIDE, &Setting { grid: GRID, ..Setting::default() }).unwrap();
+        let mut planes = white.radiance().planes().clone();
+        planes.data_mut().chunks_mut(SIDE).flat_map(|row| &mut row[..SIDE / 2]).for_each(|v| *v *= left);
+        let deg = camera.field_of_view_deg(SIDE, white.distance_m()).unwrap();
+        let radiance = SpectralCube::new(GRID, planes).unwrap();
+        Scene::new("halves", radiance, white.illuminant().clone(), white.distance_m(), deg).unwrap()
+    }
+
+    /// Also with binning, the pixels of a uniform scene have the coefficients of white. Where half of a scene is a quarter as bright as the
+    /// other, white is 1/0.625 of its mean. Light falls off towards the border by less than 0.1 %.
+    #[test]
+    fn white_is_the_brightest_grey() {
+        let light = [Illuminant::D65.photons(GRID).unwrap()];
+        let settings = LightSettings { side: 3, ..LightSettings::default() };
+        for binning in [None, Some(Binning { side: 2, mode: BinningMode::Charge })] {
+            let mut camera = Camera::new(CameraDescription::default(), GRID).unwrap();
+            camera.optics.model = OpticsModel::Pinhole;
+            camera.sensor.binning = binning;
+            let gatherer = LightGatherer::new(&camera, &Illuminant::D65, &light, &settings).unwrap();
+            for (left, white) in [(1.0, 1.0), (0.25, 1.0 / 0.625)] {
+                let scene = halves(&camera, left);
+                let camera = gatherer.camera.with_scene_size(&scene).unwrap();
+                let image = camera.optics.image(&scene).unwrap();
+                let pixels = PixelSpectra::new(&camera.sensor, &image).unwrap();
+                let found = gatherer.coefficients(&pixels, scene.mean_luminance_cd_m2().unwrap()).unwrap();
+                // The middle of the right half, or any pixel of a uniform scene.
+                let at = found.rows / 2 * found.cols + 3 * found.cols / 4;
+                let of_white = &gatherer.empty.white_coefficients;
+                assert_eq!(found.count, of_white.len());
+                let largest = of_white.iter().fold(0.0f64, |most, c| most.max(c.abs()));
+                for (value, of_white) in found.values[at * found.count..].iter().zip(of_white) {
+                    let apart = f64::from(*value) - of_white * white;
+                    assert!(apart.abs() < 1e-3 * largest, "{binning:?}, {left}: {value}, white {of_white}");
+                }
+                let mut statistics = gatherer.statistics();
+                gatherer.add(&mut statistics, &scene).unwrap();
+                for class in statistics.classes.values() {
+                    let mean = class.per_white_squared / class.moments.get(0, 0);
+                    assert!((mean * white * white - 1.0).abs() < 1e-2, "{binning:?}, {left}: {mean}");
+                }
+            }
+        }
+    }
+}

@@ -114,3 +114,37 @@ impl Level {
         self.luminance * time_s
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The time is the longest at which white saturates no filter: at a shorter time than the longest, the filter that limits it is just
+    /// saturated.
+    #[test]
+    fn the_brightest_filter_limits_the_time() {
+        let (luminance, saturation_e, white) = (5.0, 6000.0, [2.0, 0.5]);
+        let filters = [[30.0, 10.0], [50.0, -20.0], [10.0, 5.0]];
+        let responses = FilterResponses::new(filters.iter().map(|f| f.to_vec()).collect());
+        let level =
+            |time| Level { luminance, time, saturation_e, dark_e2: 4.0, per_e: 1.0, per_e2: Level::UNKNOWN };
+        // White takes 13.3 s to saturate the second filter.
+        for longest in [0.02, 5.0, 13.0, 14.0, 100.0] {
+            let (time_s, limit) = level(ScreenTime::UpTo(longest)).limited_time(&white, &responses);
+            let electrons = filters.map(|[a, b]| (a * white[0] + b * white[1]) * luminance * time_s);
+            assert!(
+                electrons.iter().all(|e| *e < saturation_e * (1.0 + 1e-12)),
+                "{longest} s: {electrons:?}"
+            );
+            match limit {
+                None => assert_eq!(time_s.to_bits(), f64::to_bits(longest)),
+                Some(filter) => {
+                    assert!(time_s < longest, "{longest} s: {time_s} s");
+                    assert!((electrons[filter] / saturation_e - 1.0).abs() < 1e-12, "{longest} s");
+                }
+            }
+            let fixed = level(ScreenTime::Fixed(longest));
+            assert_eq!(fixed.limited_time(&white, &responses), (longest, None));
+        }
+    }
+}

@@ -335,3 +335,63 @@ impl System {
         self.matrix.factor();
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::eye::Eye;
+    use super::*;
+    use crate::numeric::philox::Stream;
+
+    const TAPS: usize = 9;
+    const K: usize = 3;
+
+    /// A screen with the given means and covariances with X, Y, Z of groups of classes, by pixel, group and component.
+    fn screen(groups: usize, means: Vec<Lanes>, crossed: Vec<[Lanes; 3]>) -> Screen {
+        Screen {
+            taps: TAPS,
+            light_taps: TAPS,
+            crosstalk: None,
+            components: K,
+            side: 3,
+            groups,
+            covariances: Vec::new(),
+            crossed,
+            means,
+            targets: vec![[ZERO; 6]; groups],
+            shares: vec![ZERO; groups],
+            detailed: vec![ZERO; groups],
+            detailed_share: 0.0,
+            per_white_squared: vec![ZERO; groups],
+            eye: Eye::new(3).unwrap(),
+            colors: Vec::new(),
+            levels: Vec::new(),
+            electrons: Vec::new(),
+            white: Vec::new(),
+        }
+    }
+
+    /// A group among others has the system that it has alone.
+    #[test]
+    fn groups_of_classes_are_independent() {
+        const GROUPS: usize = 3;
+        let mut random = Stream::new(5, 6, 7);
+        let mut lanes = || -> Lanes { std::array::from_fn(|_| random.uniform() - 0.2) };
+        let means: Vec<Lanes> = (0..TAPS * GROUPS * K).map(|_| lanes()).collect();
+        let crossed: Vec<[Lanes; 3]> = (0..TAPS * GROUPS * K).map(|_| [lanes(), lanes(), lanes()]).collect();
+        let products: Vec<Lanes> = (0..pairs(TAPS)).map(|_| lanes()).collect();
+        let responses = FilterResponses::new(vec![vec![1.0, -0.5, 0.25], vec![0.3, 2.0, -1.5]]);
+        let filter: [u8; TAPS] = [0, 1, 0, 1, 1, 0, 0, 0, 1];
+        let all = screen(GROUPS, means.clone(), crossed.clone());
+        for group in 0..GROUPS {
+            let of_group = |at: &usize| at / K % GROUPS == group;
+            let places = || (0..TAPS * GROUPS * K).filter(of_group);
+            let alone =
+                screen(1, places().map(|at| means[at]).collect(), places().map(|at| crossed[at]).collect());
+            let (mut found, mut expected) = (System::new(&all), System::new(&alone));
+            found.gather(&all, &responses, &filter, group, &products);
+            expected.gather(&alone, &responses, &filter, 0, &products);
+            assert_eq!((found.means, found.crossed), (expected.means, expected.crossed), "group {group}");
+            assert_eq!(found.products, products);
+        }
+    }
+}

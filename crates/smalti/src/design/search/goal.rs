@@ -442,4 +442,34 @@ mod tests {
             }
         }
     }
+
+    /// A unit of a figure under one of two conditions moves the mean by half its weight, and the worst change by its weight, to the softness
+    /// of the maximum. Only the figures with a weight are computed.
+    #[test]
+    fn every_figure_counts_by_its_weight() {
+        let own = [expected(25.0, 9.0), expected(35.0, 3.0)];
+        let moves: [fn(&mut ExpectedError); 4] =
+            [|e| e.cpsnr_db -= 1.0, |e| e.detail_db -= 1.0, |e| e.delta_e_2000 += 1.0, |e| e.scielab += 1.0];
+        let figures = [Figures::Cpsnr, Figures::Cpsnr, Figures::Color, Figures::All];
+        let of = |[cpsnr_db, detail_db, delta_e_2000, scielab]: [f64; 4], over| {
+            Objective { cpsnr_db, detail_db, delta_e_2000, scielab, over }.goal(&own)
+        };
+        let weights = [1.0, 0.5, 2.0, 3.0];
+        for (at, worsen) in moves.iter().enumerate() {
+            let mut worse = own;
+            worsen(&mut worse[1]);
+            let all = of(weights, Over::Mean);
+            let change = all.cost(&worse) - all.cost(&own);
+            assert!((change - 0.5 * weights[at]).abs() < 1e-12, "{at}: {change}");
+            let worst = of(weights, Over::Worst).cost(&worse);
+            assert!(
+                (weights[at] - 8f64.ln() / SHARPNESS - 1e-9..=weights[at]).contains(&worst),
+                "{at}: {worst}"
+            );
+            let mut one = [0.0; 4];
+            one[at] = weights[at];
+            let alone = [Over::Mean, Over::Worst].map(|over| of(one, over).figures());
+            assert_eq!(alone, [figures[at]; 2]);
+        }
+    }
 }

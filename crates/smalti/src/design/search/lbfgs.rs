@@ -107,6 +107,7 @@ fn direction(gradient: &[f64], memory: &VecDeque<(Vec<f64>, Vec<f64>, f64)>) -> 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::numeric::philox::Stream;
 
     /// Rosenbrock's valley, whose minimum 0 is at (1, 1).
     #[test]
@@ -149,6 +150,45 @@ mod tests {
                     "function {i}: {found:?}"
                 );
             }
+        }
+    }
+
+    /// The two loops are the dense update of the inverse Hessian, and the latest change of the gradient gives the latest step.
+    #[test]
+    fn the_direction_is_that_of_the_dense_update() {
+        const N: usize = 5;
+        let mut random = Stream::new(7, 8, 9);
+        let mut vector = || -> Vec<f64> { (0..N).map(|_| random.uniform() - 0.5).collect() };
+        // Gradients of a quadratic function with the curvatures 1 to 5.
+        let turned =
+            |moved: &[f64]| -> Vec<f64> { moved.iter().zip(1u32..).map(|(s, c)| f64::from(c) * s).collect() };
+        let mut memory = VecDeque::new();
+        for _ in 0..4 {
+            let s = vector();
+            let y = turned(&s);
+            let inverse = 1.0 / dot(&s, &y);
+            memory.push_back((s, y, inverse));
+        }
+        let (last, last_turned, _) = memory.back().unwrap();
+        let scale = dot(last, last_turned) / dot(last_turned, last_turned);
+        let mut dense = [[0.0; N]; N];
+        (0..N).for_each(|i| dense[i][i] = scale);
+        for (s, y, inverse) in &memory {
+            // (1 − ρ s yᵀ) H (1 − ρ y sᵀ) + ρ s sᵀ.
+            let left = |i: usize, j: usize| f64::from(u8::from(i == j)) - inverse * s[i] * y[j];
+            let entry = |i: usize, j: usize| {
+                let all = (0..N * N).map(|at| left(i, at / N) * dense[at / N][at % N] * left(j, at % N));
+                all.sum::<f64>() + inverse * s[i] * s[j]
+            };
+            dense = std::array::from_fn(|i| std::array::from_fn(|j| entry(i, j)));
+        }
+        let gradient = vector();
+        for (found, row) in direction(&gradient, &memory).iter().zip(&dense) {
+            let expected = -dot(row, &gradient);
+            assert!((found - expected).abs() < 1e-10, "{found} is not {expected}");
+        }
+        for (found, step) in direction(last_turned, &memory).iter().zip(last) {
+            assert!((found + step).abs() < 1e-12, "{found} is not {}", -step);
         }
     }
 }

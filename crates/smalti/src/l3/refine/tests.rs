@@ -409,3 +409,48 @@ fn axes_of_version_2_are_read() {
     }
     assert!(axes().with_structures(vec![0.5], 6).is_err());
 }
+
+/// Where the noise is in proportion to the light, structures do not depend on the light, and noise is no strong structure.
+#[test]
+fn structures_are_told_by_the_noise_of_their_light() {
+    let levels = Levels::logarithmic(6, 0.02, 0.8).unwrap();
+    let axes = RefinementAxes::new(levels, [1e-18, 0.0, 1e-4]).unwrap();
+    let structures = |light: f32| {
+        let value = |_: usize, r: usize, c: usize| {
+            let random = Stream::new(3, (r * 40 + c) as u32, 8).uniform() as f32 - 0.5;
+            // A standard deviation of 1 %.
+            light * (1.0 + 0.01 * 12f32.sqrt() * random)
+        };
+        let (mut scratch, mut classes) = (Scratch::default(), Vec::new());
+        let stages = Stages::of(&planes(24, 40, value), axes.noise());
+        classify(&axes, stages.picture(), 0..24, 40, &mut scratch, &mut classes);
+        let rows = classes.chunks_exact(40usize.next_multiple_of(LANES));
+        let seen = rows.flat_map(|row| row[..40].iter().map(|class| *class as usize % axes.structures()));
+        seen.collect::<Vec<_>>()
+    };
+    let found = structures(0.25);
+    // The trace has the mean of one variance; strength 6 begins at 62.5 of them.
+    let strong = 1 + 5 * (1 + axes.orientations());
+    assert!(found.iter().all(|structure| (1..strong).contains(structure)));
+    for light in [0.0625, 0.5, 1.0] {
+        assert_eq!(structures(light), found, "{light}");
+    }
+}
+
+/// Columns that are all alike are smoothed as a single one is.
+#[test]
+fn a_single_column_is_smoothed_as_many_alike_are() {
+    let picture = |cols: usize| {
+        let value = |p: usize, r: usize, _: usize| Stream::new(4, r as u32, p as u32).uniform() as f32;
+        Stages::of(&planes(40, cols, value), [0.1, 0.0, 0.0])
+    };
+    let (one, many) = (picture(1), picture(50));
+    for scale in 0..super::stages::SCALES {
+        let rows = if scale < FINE { 40 } else { 20 };
+        for (plane, row) in (0..3).flat_map(|plane| (0..rows).map(move |row| (plane, row))) {
+            let first = |stages: &Stages| stages.smooth(scale).line(plane, row)[super::stages::MARGIN];
+            assert_eq!(first(&one), first(&many), "scale {scale}, row {row}");
+            assert!(first(&one) > 0.0);
+        }
+    }
+}

@@ -403,4 +403,21 @@ mod tests {
             assert!(found.iter().all(|p| p.shift.row.abs().max(p.shift.col.abs()) < FINEST), "{found:?}");
         }
     }
+
+    #[test]
+    fn every_quadrant_has_the_median_of_its_own_patches() {
+        let placed = Placed { plane: noise(9, 12), row: 0, col: 0 };
+        // The middle row is above the middle of the plane, and column 6 is the first of its right half.
+        let places = [([0, 4], [0, 5]), ([0, 4], [6, 11]), ([5, 8], [0, 5]), ([5, 8], [6, 11])];
+        let mut all = Vec::new();
+        for (quadrant, (rows, cols)) in places.into_iter().enumerate() {
+            for (i, (row, col)) in [(0, 0), (0, 1), (1, 1)].into_iter().enumerate() {
+                let shift = Shift { row: quadrant as f64, col: i as f64 - 10.0 * quadrant as f64 };
+                all.push(PatchShift { row: rows[row], col: cols[col], shift });
+            }
+        }
+        let expected = [0.0, 1.0, 2.0, 3.0].map(|q| Some([q, 1.0 - 10.0 * q]));
+        assert_eq!(quadrants(&placed, &all), expected);
+        assert_eq!(quadrants(&placed, &all[3..6]), [None, expected[1], None, None]);
+    }
 }

@@ -119,4 +119,19 @@ mod tests {
             }
         }
     }
+
+    /// A mirrored image covers the mirrored pixels.
+    #[test]
+    fn both_ends_of_an_image_cover_alike() {
+        for (shift, scale, len) in
+            [(0.0, 1.0, 40), (7.0, 1.0, 40), (7.5, 1.0, 40), (9.25, 1.0, 30), (3.5, 2.0, 20), (8.25, 0.5, 60)]
+        {
+            const RAW: usize = 64;
+            let (first, count) = Axis::new(shift, scale, len).covered(RAW, 1);
+            let mirrored = RAW as f64 - (shift + scale * len as f64);
+            let found = Axis::new(mirrored, scale, len).covered(RAW, 1);
+            assert!(count > 10);
+            assert_eq!(found, (RAW - first - count, count), "{shift} {scale} {len}: from {first}");
+        }
+    }
 }

@@ -210,4 +210,20 @@ mod tests {
         assert_eq!((orientation, found.lines.len(), found.width), (EdgeOrientation::Horizontal, 12, 9));
         assert!(found.lines.iter().all(|l| l.iter().all(|(x, v)| *v == x + 2.0) && l.len() == 9));
     }
+
+    #[test]
+    fn a_single_step_has_its_centroid_there_and_a_constant_line_has_none() {
+        for at in [3.0, 19.0, 30.0] {
+            let line: Vec<(f64, f64)> =
+                (0..40).map(|x| (f64::from(x), if f64::from(x) < at { 0.2 } else { 0.9 })).collect();
+            for windows in [CentroidWindow::OnEdge, CentroidWindow::Sfrmat] {
+                for centre in [10.0, 19.5] {
+                    let found = centroid(&line, windows, centre, 39.0).unwrap();
+                    assert!((found - (at - 0.5)).abs() < 1e-12, "{at}: {found}");
+                    let constant: Vec<(f64, f64)> = line.iter().map(|p| (p.0, 0.7)).collect();
+                    assert_eq!(centroid(&constant, windows, centre, 39.0), None);
+                }
+            }
+        }
+    }
 }

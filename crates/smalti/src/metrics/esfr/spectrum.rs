@@ -239,4 +239,19 @@ mod tests {
         assert!(near(sampled(|x| x.abs() < 10.2), 0.1));
         assert!(sampled(|_| false) > 19.9);
     }
+
+    #[test]
+    fn empty_bins_of_a_straight_profile_lie_on_it() {
+        let line = |i: usize| 3.0 + 0.5 * i as f64;
+        let (filled, size) = ([2, 3, 7, 8, 13], 16);
+        let bin = |i: usize| {
+            let count = if filled.contains(&i) { 2 } else { 0 };
+            Bin { count, sum: f64::from(count) * line(i), offset_sum: 0.0 }
+        };
+        let bins: Vec<Bin> = (0..size).map(bin).collect();
+        for (i, v) in fill(&bins).into_iter().enumerate() {
+            // Beyond the filled bins the profile is level. Rounding of a few terms.
+            assert!((v - line(i.clamp(2, 13))).abs() < 1e-12, "{i}: {v}");
+        }
+    }
 }

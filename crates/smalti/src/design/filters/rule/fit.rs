@@ -231,3 +231,34 @@ impl Bounds {
         high
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::numeric::philox::Stream;
+
+    /// The solution fulfils the equations, of which only the lower triangle is stated.
+    #[test]
+    fn damped_equations_are_solved() {
+        let mut random = Stream::new(2, 3, 4);
+        for n in 1..=6 {
+            for damping in [0.0, 1e-3, 10.0] {
+                // J Jᵀ and a diagonal are positive definite.
+                let j: Vec<Vec<f64>> =
+                    (0..n).map(|_| (0..n).map(|_| random.uniform() - 0.5).collect()).collect();
+                let product = |a: usize, b: usize| (0..n).map(|k| j[a][k] * j[b][k]).sum::<f64>();
+                let full = |a: usize, b: usize| product(a, b) + if a == b { 0.2 } else { 0.0 };
+                let lower: Vec<Vec<f64>> = (0..n)
+                    .map(|a| (0..n).map(|b| if b <= a { full(a, b) } else { f64::NAN }).collect())
+                    .collect();
+                let b: Vec<f64> = (0..n).map(|_| random.uniform() - 0.5).collect();
+                let x = solved(&lower, &b, damping);
+                let ridge = damping * (0..n).map(|a| full(a, a)).sum::<f64>() / n as f64;
+                for (row, value) in b.iter().enumerate() {
+                    let found = (0..n).map(|col| full(row, col) * x[col]).sum::<f64>() + ridge * x[row];
+                    assert!((found - value).abs() < 1e-12, "{n}, {damping}: {found} is not {value}");
+                }
+            }
+        }
+    }
+}

@@ -257,4 +257,23 @@ mod tests {
         assert_eq!((space.choices(), space.parameters(), space.clear()), (Some(2), 1, 1.0));
         assert_eq!(space.layers(&space.spectrum(&[1.0]).unwrap()), None);
     }
+
+    /// A library can be exchanged, and errors of its filters have its key.
+    #[test]
+    fn libraries_are_those_of_their_keys() {
+        let measured = FilterSpace::Measured(Measured { library: builtin(&["pigment/R", "pigment/G"]) });
+        for mut space in continuous().into_iter().chain([measured]) {
+            let has_none = matches!(space, FilterSpace::Dichroic(_) | FilterSpace::Free(_));
+            let Some((key, library)) = space.library_mut() else {
+                assert!(has_none, "{space:?}");
+                continue;
+            };
+            assert!(!has_none, "{key}");
+            *library = builtin(&["pigment/R", "no such filter"]);
+            match space.sampled(WavelengthGrid::VISIBLE) {
+                Err(DesignError::Key { key: found, .. }) => assert_eq!(found, format!("{key}[1]")),
+                other => panic!("{other:?}"),
+            }
+        }
+    }
 }

@@ -52,3 +52,35 @@ fn products_read_and_write_within_their_memory() {
     // No sum of 123 such products overflows.
     check(|| (random.next_u32() as i16) >> 4, |place| Entry::new(place as u32, 3).unwrap().0);
 }
+
+/// Vectors read no patches that are one element short; the element exists in memory.
+#[cfg(target_arch = "x86_64")]
+#[test]
+fn vectors_refuse_patches_that_are_too_short() {
+    use super::super::super::vectors::Avx512;
+    use super::super::x86::{products_f32, products_i16};
+
+    const SIDE: usize = 5;
+    let count = 2 * PIXELS;
+    let kernels = vec![0; count];
+    let size = (count + SIDE - 1) * SIDE;
+    with_widest(Set::Avx512, || {
+        let Some(set) = Avx512::detect() else { return };
+        for missing in [0, 1] {
+            let mut planes = [vec![-1.0f32; count], vec![-1.0f32; count]];
+            let [float, fixed] = &mut planes;
+            let (table, _) = Table::new(&[1.0f32; SIDE * SIDE], |_| vec![0.0], SIDE, 1, 1.0);
+            let mut patches = vec![1.0f32; size];
+            patches.truncate(size - missing);
+            let run = Run { table: &table, patches: &patches, kernels: &kernels, at: 0, count };
+            products_f32(set, &run, &mut [&mut float[..]]);
+            let (table, _) = Table::new(&[1i16; SIDE * SIDE], |_| vec![0, 0], SIDE, 1, 1.0);
+            let mut patches = vec![1i16; size];
+            patches.truncate(size - missing);
+            let run = Run { table: &table, patches: &patches, kernels: &kernels, at: 0, count };
+            products_i16(set, &run, &mut [&mut fixed[..]]);
+            let expected = if missing == 0 { (SIDE * SIDE) as f32 } else { -1.0 };
+            assert!(planes.iter().flatten().all(|v| *v == expected), "{missing} missing");
+        }
+    });
+}

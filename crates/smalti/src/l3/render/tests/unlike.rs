@@ -168,3 +168,13 @@ proptest! {
         assert_bounds(&pipeline_with(&p, levels, kernels), levels);
     }
 }
+
+/// The finer part is at most half a step of the coarser one, so that their magnitudes exceed that of the offset by less than a step.
+#[test]
+fn the_finer_part_of_an_offset_is_small() {
+    for offset in (-(1 << 28)..1 << 28).step_by(4099) {
+        let [high, low] = FixedKernels::parts(offset).map(i32::from);
+        assert_eq!(high * HIGH_PART + low, offset);
+        assert!(low.abs() <= HIGH_PART / 2, "{offset}: {high} {low}");
+    }
+}
