@@ -1,7 +1,7 @@
 use super::statistics::{ClassLight, WIDE};
 use super::{EvenPatches, LightSystem, Saturated};
 use crate::design::screen::lanes::ZERO;
-use crate::l3::{Axes, ClassMap, ClassPool, Moments, PoolSource};
+use crate::l3::{Axes, ClassMap, ClassPool, Levels, Moments, PoolSource};
 use crate::numeric::dense::{cholesky, dot, substitute};
 use crate::numeric::philox::Stream;
 use crate::sensor::{Mosaic, SignalNoise};
@@ -77,12 +77,17 @@ fn seen(u: &[f64]) -> Vec<f64> {
     x.chain(u[TAPS * K..].iter().map(|y| SCALE * y)).collect()
 }
 
-/// Σ z zᵀ of the samples of some patches of some sets, which a design saturates.
+/// Σ z zᵀ of the samples of patches, each of which counts so many times.
+fn moments_seen<'a>(patches: impl IntoIterator<Item = &'a Vec<f64>>, times: f64) -> Moments {
+    let mut moments = Moments::new(TAPS, 3);
+    patches.into_iter().for_each(|u| moments.add(&[&[1.0], &seen(u)[..]].concat(), times));
+    moments
+}
+
+/// Those of some patches of some sets, which a design saturates.
 fn saturated(sets: &[Vec<Vec<f64>>]) -> Saturated {
     let of = |(lane, set): (usize, &Vec<Vec<f64>>)| {
-        let mut moments = Moments::new(TAPS, 3);
-        let part = set.iter().filter(|u| is_saturated(lane, u));
-        part.for_each(|u| moments.add(&[&[1.0], &seen(u)[..]].concat(), 1.0));
+        let moments = moments_seen(set.iter().filter(|u| is_saturated(lane, u)), 1.0);
         (moments.count() > 0).then_some(moments)
     };
     Saturated { classes: sets.iter().enumerate().map(of).collect(), counts: [sets.len(); 2] }
@@ -145,40 +150,53 @@ fn even_patches() -> EvenPatches {
     }
 }
 
+/// A design of one position.
+fn system<'a>(
+    light: &ClassLight,
+    noise: SignalNoise,
+    even: &'a (dyn Fn(usize, ClassPool) -> Option<EvenPatches> + Sync),
+    saturated: Saturated,
+) -> LightSystem<'a> {
+    let (mosaic, levels) = (Mosaic::new(2, 2, vec![0, 1, 1, 0]).unwrap(), Levels::new(Vec::new()).unwrap());
+    LightSystem {
+        responses: RESPONSES.iter().map(|r| r.to_vec()).collect(),
+        scale: SCALE,
+        positions: vec![0],
+        channels: vec![CHANNELS.to_vec()],
+        share: SHARE,
+        noise,
+        even,
+        saturated,
+        counts: light.patch_counts(&Axes::new(mosaic, 3, levels, noise).unwrap()),
+    }
+}
+
+/// The kernels of a lane are those of the textbook, to single precision.
+fn assert_kernels(kernels: &impl PoolSource, lane: usize, (weights, offsets): &(Vec<f64>, Vec<f64>)) {
+    let found = kernels.kernels(0, pool(lane)).unwrap();
+    let largest = weights.iter().fold(0.0f64, |m, w| m.max(w.abs()));
+    for (a, b) in found.weights.iter().zip(weights).chain(found.offsets.iter().zip(offsets)) {
+        assert!((a - b).abs() < 1e-3 * largest, "lane {lane}: {a} and {b}, largest {largest}");
+    }
+}
+
 /// Every lane, in both halves of two vectors, with and without even and saturated patches, and with noise of rows and columns. The statistics are in
 /// single precision, beside noise of a thousandth of the variance.
 #[test]
 fn kernels_are_those_of_textbook_least_squares() {
     let sets: Vec<Vec<Vec<f64>>> = (0..WIDE as u64 + 3).map(|s| patches(300 + s as usize, s)).collect();
     let light = statistics(&sets);
-    let mosaic = Mosaic::new(2, 2, vec![0, 1, 1, 0]).unwrap();
-    let levels = crate::l3::Levels::new(Vec::new()).unwrap();
     for noise in [
         SignalNoise { constant: 1e-4, per_signal: 1e-3, per_signal_squared: 1e-4, ..SignalNoise::default() },
         SignalNoise { constant: 1e-4, row: 1e-4, column: 2e-4, ..SignalNoise::default() },
     ] {
-        let axes = Axes::new(mosaic.clone(), 3, levels.clone(), noise).unwrap();
-        let system = LightSystem {
-            responses: RESPONSES.iter().map(|r| r.to_vec()).collect(),
-            scale: SCALE,
-            positions: vec![0],
-            channels: vec![CHANNELS.to_vec()],
-            share: SHARE,
-            noise,
-            even: &|_, p| (p.texture.unwrap() % 2 == 0).then(even_patches),
-            saturated: saturated(&sets),
-            counts: light.patch_counts(&axes),
-        };
+        let even = |_, pool: ClassPool| pool.texture.unwrap().is_multiple_of(2).then(even_patches);
+        let system = system(&light, noise, &even, saturated(&sets));
         let kernels = light.kernels(&system);
         for (lane, set) in sets.iter().enumerate() {
-            let found = kernels.kernels(0, pool(lane)).unwrap();
             let used: Vec<Vec<f64>> = set.iter().filter(|u| !is_saturated(lane, u)).cloned().collect();
             assert_eq!(used.len() < set.len(), lane.is_multiple_of(3));
-            let (weights, offsets) = textbook(&used, lane % 2 == 0, &noise);
-            let largest = weights.iter().fold(0.0f64, |m, w| m.max(w.abs()));
-            for (a, b) in found.weights.iter().zip(&weights).chain(found.offsets.iter().zip(&offsets)) {
-                assert!((a - b).abs() < 1e-3 * largest, "lane {lane}: {a} and {b}, largest {largest}");
-            }
+            assert_kernels(&kernels, lane, &textbook(&used, lane % 2 == 0, &noise));
         }
         assert!(kernels.kernels(1, pool(0)).is_none() && kernels.kernels(0, pool(99)).is_none());
     }
@@ -189,33 +207,11 @@ fn kernels_are_those_of_textbook_least_squares() {
 fn pools_without_a_patch_left_keep_their_kernels() {
     let sets: Vec<Vec<Vec<f64>>> = (0..3).map(|s| patches(200, s)).collect();
     let light = statistics(&sets);
-    let levels = crate::l3::Levels::new(Vec::new()).unwrap();
     let noise = SignalNoise { constant: 1e-4, per_signal: 1e-3, ..SignalNoise::default() };
-    let axes = Axes::new(Mosaic::new(2, 2, vec![0, 1, 1, 0]).unwrap(), 3, levels, noise).unwrap();
-    let all = |share: f64, set: &Vec<Vec<f64>>| {
-        let mut moments = Moments::new(TAPS, 3);
-        set.iter().for_each(|u| moments.add(&[&[1.0], &seen(u)[..]].concat(), share));
-        moments
-    };
-    let classes = vec![Some(all(1.0, &sets[0])), Some(all(0.9975, &sets[1])), None];
-    let system = LightSystem {
-        responses: RESPONSES.iter().map(|r| r.to_vec()).collect(),
-        scale: SCALE,
-        positions: vec![0],
-        channels: vec![CHANNELS.to_vec()],
-        share: SHARE,
-        noise,
-        even: &|_, _| None,
-        saturated: Saturated { classes, counts: [3; 2] },
-        counts: light.patch_counts(&axes),
-    };
+    let classes = vec![Some(moments_seen(&sets[0], 1.0)), Some(moments_seen(&sets[1], 0.9975)), None];
+    let system = system(&light, noise, &|_, _| None, Saturated { classes, counts: [3; 2] });
     let kernels = light.kernels(&system);
     for (lane, set) in sets.iter().enumerate() {
-        let found = kernels.kernels(0, pool(lane)).unwrap();
-        let (weights, offsets) = textbook(set, false, &noise);
-        let largest = weights.iter().fold(0.0f64, |m, w| m.max(w.abs()));
-        for (a, b) in found.weights.iter().zip(&weights).chain(found.offsets.iter().zip(&offsets)) {
-            assert!((a - b).abs() < 1e-3 * largest, "lane {lane}: {a} and {b}, largest {largest}");
-        }
+        assert_kernels(&kernels, lane, &textbook(set, false, &noise));
     }
 }

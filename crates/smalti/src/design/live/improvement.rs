@@ -220,7 +220,7 @@ mod tests {
     }
 
     #[test]
-    fn conditions_are_those_of_the_camera_and_improvements_lower_the_worst() {
+    fn conditions_are_those_of_the_camera_and_the_worst_counts() {
         let conditions = live_conditions(&camera(), &[1.0, 30.0]);
         assert_eq!(conditions.iter().map(|c| c.luminance_cd_m2).collect::<Vec<_>>(), [1.0, 30.0]);
         assert_eq!(live_objective().over, Over::Worst);
