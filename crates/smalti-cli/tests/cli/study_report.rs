@@ -53,6 +53,16 @@ fn swept() -> Place {
     place
 }
 
+/// What a report prints, without drawing figures.
+fn printed(place: &Place, dir: &str) -> String {
+    place.ok(&format!("report {dir} -o page.html"))
+}
+
+/// Its results, without drawing figures.
+fn document(place: &Place, dir: &str) -> Value {
+    serde_json::from_str(&place.ok(&format!("report {dir} -o page.html --json"))).unwrap()
+}
+
 fn rows(dir: &Path) -> Vec<Column> {
     let names = ["colors", "delta_e_76", "mtf50_cy_per_mm", "tile", "center_nm", "luminance_noise_percent"];
     let dataset = Dataset::open(dir).unwrap();
@@ -157,23 +167,22 @@ fn detail_finer_than_the_pixels_is_marked() {
         );
         std::fs::remove_dir_all(place.path("out")).ok();
         place.ok("sweep one.toml -o out");
-        place.ok("report out")
+        printed(&place, "out")
     };
     // Filters that overlap this much need a colour matrix that amplifies all detail, and what is aliased.
     let absurd = study("", set([(442, 45), (462, 33), (635, 42)]));
     assert!(absurd.contains(" * ") && absurd.contains("\n* MTF50 lies beyond the 0.5 cycles"), "{absurd}");
     assert!(absurd.contains("Means contain the MTF50 of 1 design beyond the Nyquist frequency"), "{absurd}");
-    let trial = |place: &Place| {
-        place.json("out/report/report.json")["studies"][0]["sections"][0]["colors"][0]["best"][0].clone()
-    };
-    assert_eq!(trial(&place)["mtf50_reliability"], "beyond-nyquist");
+    let section = || document(&place, "out")["studies"][0]["sections"][0].clone();
+    assert_eq!(section()["colors"][0]["best"][0]["mtf50_reliability"], "beyond-nyquist");
     let sound = study("", set([(455, 25), (540, 35), (600, 30)]));
     assert!(!sound.contains('*') && !sound.contains("Means contain"), "{sound}");
-    assert_eq!(trial(&place)["mtf50_reliability"], "reliable");
+    let section = section();
+    let best = &section["colors"][0]["best"][0];
+    assert_eq!(best["mtf50_reliability"], "reliable");
     // Its array is stated in full, for the camera of the section: the studio opens it.
-    let section = &place.json("out/report/report.json")["studies"][0]["sections"][0];
     assert_eq!(section["description"]["name"], section["camera"]);
-    let cfa = &trial(&place)["cfa"];
+    let cfa = &best["cfa"];
     assert_eq!(cfa["pattern"], serde_json::json!(["BC", "AB"]));
     let gaussian = serde_json::json!({"gaussian": {"center_nm": 455.0, "sigma_nm": 25.0, "peak": 1.0}});
     assert_eq!(cfa["filters"]["A"], gaussian);
@@ -195,14 +204,14 @@ fn every_trial_has_its_exposure() {
         );
         std::fs::remove_dir_all(place.path("out")).ok();
         place.ok("sweep one.toml -o out");
-        place.ok("report out")
+        printed(&place, "out")
     };
     // Nothing is rendered for the Vora value.
     let dim = reported("metrics = [\"vora_value\"]\nluminance_cd_m2 = 10");
     assert!(dim.contains("Exposure: ColorChecker 100.0 ms (0.00 % of the samples saturated)."), "{dim}");
     assert!(dim.lines().any(|l| l.contains("exposure ms  saturated %")), "{dim}");
     let bright = reported("metrics = [\"vora_value\"]\nluminance_cd_m2 = 5000");
-    let trial = &place.json("out/report/report.json")["studies"][0]["sections"][0]["colors"][0]["best"][0];
+    let trial = &document(&place, "out")["studies"][0]["sections"][0]["colors"][0]["best"][0];
     let share = trial["macbeth_saturated_percent"].as_f64().unwrap();
     assert!(share > 50.0 && trial["macbeth_time_s"] == 0.1, "{trial}");
     assert!(bright.contains(&format!("{share:.2}")), "{bright}");
@@ -211,7 +220,7 @@ fn every_trial_has_its_exposure() {
         "metrics = [\"mtf50_cy_per_mm\", \"delta_e_76\"]\nluminance_cd_m2 = 500\nprocessing = [\"classic\", \"l3\"]",
     );
     assert!(both.contains(", edge 100.0 ms ("), "{both}");
-    let document = place.json("out/report/report.json");
+    let document = document(&place, "out");
     let sections = document["studies"][0]["sections"].as_array().unwrap();
     let shares = |i: usize| -> Vec<f64> {
         let best = sections[i]["colors"][0]["best"].as_array().unwrap();
@@ -390,7 +399,7 @@ fn many_conditions_are_printed_in_short() {
         "[conditions.grid]\n\"optics.f_number\" = [2, 2.8, 4]\n\"sensor.prnu_percent\" = [0, 2]\n";
     place.write("many.toml", format!("{TINY}{conditions}").replace("filters = 4", "filters = 2"));
     place.ok("sweep many.toml -o out");
-    let text = place.ok("report out");
+    let text = printed(&place, "out");
     let tables = |text: &str| text.lines().filter(|l| l.starts_with("── ")).count();
     assert_eq!(tables(&text), 3, "{text}");
     let (_, of_all) = text.split_once("Means of all designs under each condition").unwrap();
@@ -400,7 +409,7 @@ fn many_conditions_are_printed_in_short() {
         assert!(of_all.lines().any(|l| l.starts_with(&name)), "no {name} in\n{of_all}");
     }
     assert!(of_all.contains("Tables of 3 of the 6 conditions follow. `--draw TEXT`"), "{of_all}");
-    assert_eq!(place.json("out/report/report.json")["studies"][0]["sections"].as_array().unwrap().len(), 6);
+    assert_eq!(document(&place, "out")["studies"][0]["sections"].as_array().unwrap().len(), 6);
     let run = place.run(&["report", "out", "--draw", "f-number 4", "-o", "some.html"]);
     assert!(run.out.contains("── f-number 4, PRNU 2 % ──"), "{}", run.out);
     assert_eq!(tables(&run.out), 2, "{}", run.out);
@@ -423,8 +432,7 @@ fn the_first_metric_of_a_study_ranks() {
     {
         place.write("study.toml", format!("metrics = {metrics:?}\n{TINY}"));
         place.ok(&format!("sweep study.toml -o {name}"));
-        place.ok(&format!("report {name} --pictures 0"));
-        let report = place.json(&format!("{name}/report/report.json"));
+        let report = document(&place, name);
         let section = &report["studies"][0]["sections"][0];
         assert!(section["best_by"].as_str().unwrap().contains("first metric of the study"), "{section}");
         let dataset = Dataset::open(&place.path(name)).unwrap();
@@ -545,14 +553,12 @@ fn made_with(place: &Place, change: impl FnOnce(&mut Value)) {
 #[test]
 fn results_of_another_version_are_shown_and_not_continued() {
     let place = swept();
-    place.ok("report out --json -o ours");
+    let ours = document(&place, "out");
     made_by_another_version(&place, "0.0.9");
-    let theirs = place.ok("report out --json -o theirs");
-    let page = String::from_utf8(place.read("theirs/report.html")).unwrap();
+    let theirs = document(&place, "out");
+    let page = String::from_utf8(place.read("page.html")).unwrap();
     assert!(page.contains("the figures are those of Smalti 0.0.9"), "{theirs}");
     // The figures are those that stand in the files.
-    let [ours, theirs]: [Value; 2] =
-        ["ours/report.json", "theirs/report.json"].map(|f| serde_json::from_slice(&place.read(f)).unwrap());
     let sections = &ours["studies"][0]["sections"];
     assert!(sections[0]["colors"].is_array() && *sections == theirs["studies"][0]["sections"]);
     assert_eq!(theirs["studies"][0]["scored_by"], "0.0.9");
@@ -567,7 +573,7 @@ fn results_of_a_machine_with_other_arithmetic_are_shown_and_not_continued() {
     let own = place.json("out/manifest.json")["study"]["arithmetic"].as_str().unwrap().to_owned();
     assert_eq!(own, smalti::numeric::arithmetic());
     made_with(&place, |manifest| manifest["study"]["arithmetic"] = "0123456789abcdef".into());
-    place.ok("report out -o theirs");
+    printed(&place, "out");
     place.ok("sweep tiny.toml -o mine");
     for words in ["sweep tiny.toml -o out", "sweep --merge out mine -o both"] {
         let refused = place.run(&words.split(' ').collect::<Vec<_>>());
@@ -582,14 +588,14 @@ fn incomplete_results_are_reported_as_such() {
     let place = Place::new();
     place.write("two-parts.toml", TINY.replace("filters = 4", "filters = 300"));
     place.ok("sweep two-parts.toml -o out --shard 1/2");
-    let text = place.ok("report out");
+    let text = printed(&place, "out");
     assert!(
         text.contains(
             "Incomplete: 1 of 2 parts are missing, 88 trials. This report covers the 512 scored trials."
         ),
         "{text}"
     );
-    let study = &place.json("out/report/report.json")["studies"][0];
+    let study = &document(&place, "out")["studies"][0];
     assert_eq!((study["trials"].as_u64(), study["trials_missing"].as_u64()), (Some(600), Some(88)));
 }
 

@@ -12,21 +12,20 @@ use smalti::experiment::{
 use smalti::l3::Training;
 use smalti::scene::{Scene, Setting, catalog};
 use smalti::sensor::{Cfa, Channel, Mosaic};
-use smalti::spectrum::{Illuminant, Spectrum, WavelengthGrid};
+use smalti::spectrum::{Illuminant, Spectrum};
+
+use crate::common::coarse_grid;
 
 fn camera() -> Camera {
     let mut d = CameraDescription::default();
     (d.sensor.pixel.pitch_um, d.exposure.time_ms) = (2.2, Some(50.0));
-    Camera::new(d, WavelengthGrid::VISIBLE).unwrap()
+    Camera::new(d, coarse_grid()).unwrap()
 }
 
 fn statistics(camera: &Camera) -> LightStatistics {
-    let setting = Setting { grid: WavelengthGrid::VISIBLE, ..Setting::default() };
-    let reflectances: Vec<Spectrum> = smalti::spectrum::reflectance::natural(WavelengthGrid::VISIBLE)
-        .unwrap()
-        .into_iter()
-        .map(|(_, s)| s)
-        .collect();
+    let setting = Setting { grid: coarse_grid(), ..Setting::default() };
+    let reflectances: Vec<Spectrum> =
+        smalti::spectrum::reflectance::natural(coarse_grid()).unwrap().into_iter().map(|(_, s)| s).collect();
     let spec = "dead-leaves?rows=240&cols=240&seed=5&least=2&largest=60";
     let scene: Scene = catalog::build(spec, &setting, &reflectances).unwrap();
     let deg = camera.field_of_view_deg(120, setting.distance_m).unwrap();

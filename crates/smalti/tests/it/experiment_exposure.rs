@@ -7,7 +7,9 @@ use smalti::experiment::{
     ComparedPictures, ComparisonSettings, Contender, EqualExposure, ExperimentError, ExposurePlan,
     ExposurePolicy, Resources, compare,
 };
-use smalti::spectrum::{Illuminant, WavelengthGrid};
+use smalti::spectrum::Illuminant;
+
+use crate::common::coarse_grid;
 
 const LEAVES: &str = "dead-leaves?rows=96&cols=128&least=2&largest=30&seed=1001";
 const CHART: &str = "macbeth?patch=16";
@@ -16,7 +18,7 @@ fn camera(change: impl FnOnce(&mut CameraDescription)) -> Camera {
     let mut d = CameraDescription::default();
     (d.sensor.rows, d.sensor.cols) = (48, 64);
     change(&mut d);
-    Camera::new(d, WavelengthGrid::VISIBLE).unwrap()
+    Camera::new(d, coarse_grid()).unwrap()
 }
 
 fn settings(exposure: ExposurePolicy) -> ComparisonSettings {

@@ -9,6 +9,8 @@ use smalti::experiment::{
 use smalti::scene::{Setting, catalog};
 use smalti::spectrum::{Illuminant, WavelengthGrid};
 
+use crate::common::coarse_grid;
+
 const LEAVES: [&str; 4] = [
     "dead-leaves?rows=96&cols=128&least=2&largest=60&seed=1001",
     "dead-leaves?rows=96&cols=128&least=4&largest=90&seed=1002",
@@ -20,7 +22,7 @@ fn camera(change: impl Fn(&mut CameraDescription)) -> Camera {
     let mut description = CameraDescription::default();
     description.exposure.time_ms = Some(30.0);
     change(&mut description);
-    Camera::new(description, WavelengthGrid::VISIBLE).unwrap()
+    Camera::new(description, coarse_grid()).unwrap()
 }
 
 fn settings(luminances_cd_m2: &[f64], seed_count: u64) -> ComparisonSettings {
@@ -52,13 +54,14 @@ fn compared(cameras: &[Camera], settings: &ComparisonSettings) -> Compared {
 #[test]
 fn the_number_of_threads_changes_no_score() {
     let of = |i: u32| camera(|d| d.optics.f_number = [2.8, 4.0, 5.6][i as usize % 3]);
-    let cameras: Vec<Camera> = (0..6).map(of).collect();
-    let labels: Vec<String> = (0..6).map(|i| i.to_string()).collect();
+    let cameras: Vec<Camera> = (0..5).map(of).collect();
+    let labels: Vec<String> = (0..5).map(|i| i.to_string()).collect();
     let contenders: Vec<Contender<'_>> =
         labels.iter().zip(&cameras).map(|(label, c)| Contender::as_described(c, label)).collect();
     let figures = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let settings = settings(&[2.0, 80.0], 2);
+        let mut settings = settings(&[2.0, 80.0], 2);
+        settings.scenes.truncate(2);
         let compared = pool.install(|| compare(&contenders, &settings, Resources::default())).unwrap();
         let of = |outcome: &Outcome| {
             let scenes = outcome.scenes.iter().map(|(name, scored)| (name.clone(), scored.by_seed.clone()));
@@ -196,7 +199,12 @@ fn one_picture_has_no_interval() {
 #[test]
 fn a_scene_in_its_own_light_is_scored_in_that_light() {
     let cameras = [camera(|_| {})];
-    let setting = Setting { illuminant: Illuminant::A, luminance_cd_m2: 1.0, ..Setting::default() };
+    let setting = Setting {
+        illuminant: Illuminant::A,
+        luminance_cd_m2: 1.0,
+        grid: coarse_grid(),
+        ..Setting::default()
+    };
     let kept = TestScene::in_own_light("kept", catalog::build_natural(LEAVES[0], &setting).unwrap()).unwrap();
     let of = |scene: TestScene, illuminant: Illuminant| {
         let settings = ComparisonSettings { scenes: vec![scene], illuminant, ..settings(&[20.0], 1) };

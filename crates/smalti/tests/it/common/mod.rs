@@ -7,6 +7,12 @@ use std::f64::consts::PI;
 use std::path::PathBuf;
 
 use smalti::numeric::philox::Stream;
+use smalti::spectrum::WavelengthGrid;
+
+/// Few wavelengths, for tests to which they mean as much as many, and which take the third part of the time.
+pub fn coarse_grid() -> WavelengthGrid {
+    WavelengthGrid::new(400.0, 30.0, 11).unwrap()
+}
 
 /// A file of the reference values of ISETCam; `tests/data/isetcam/README.md` says where each comes from.
 fn reference(name: &str) -> String {
