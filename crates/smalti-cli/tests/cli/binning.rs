@@ -12,10 +12,6 @@ fn numbers_in(texts: &Value) -> Vec<f64> {
     texts.as_array().unwrap().iter().map(|t| t.as_str().unwrap().parse().unwrap()).collect()
 }
 
-fn json(text: &str) -> Value {
-    serde_json::from_str(text).unwrap()
-}
-
 /// A sensor of 96 × 96 pixels is simulated, trained for, rendered and shown; its raw file has 48 × 48 samples.
 #[test]
 fn a_binned_sensor_is_simulated_learned_and_shown() {
@@ -30,13 +26,13 @@ fn a_binned_sensor_is_simulated_learned_and_shown() {
         let text = place.ok(&format!("show {camera}"));
         let words = text.split_whitespace().collect::<Vec<_>>().join(" ");
         assert!(words.contains(&format!("48 × 48 samples of 2 × 2 pixels each ({mode} binning)")), "{text}");
-        let derived = json(&place.ok(&format!("show {camera} --json")));
+        let derived = place.document(&format!("show {camera} --json"));
         let value = |name: &str| {
             let all = derived["derived"].as_array().unwrap();
             all.iter().find(|d| d["name"] == name).unwrap()["value"].as_f64().unwrap()
         };
         assert_eq!(derived["description"]["sensor"]["binning"], mode);
-        let single = json(&place.ok(&format!("show bayer@quad-bayer {SMALL} --json")));
+        let single = place.document(&format!("show bayer@quad-bayer {SMALL} --json"));
         let of_single = |name: &str| {
             let all = single["derived"].as_array().unwrap();
             all.iter().find(|d| d["name"] == name).unwrap()["value"].as_f64().unwrap()
@@ -78,7 +74,7 @@ fn a_sensor_is_compared_with_itself() {
         "compare none.toml charge.toml digital.toml --processing bilinear --scene {SCENE} --luminance 1 {QUICK} \
          --set sensor.pixel.read_noise_mv=3 --json -o o"
     );
-    let results = json(&place.ok(&words));
+    let results = place.document(&words);
     let text = results.to_string();
     assert!(text.contains("sensor.binning"), "{text}");
     // Equally many samples of twice the pitch see more of the scene.

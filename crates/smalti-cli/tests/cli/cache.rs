@@ -3,7 +3,7 @@
 use crate::{Place, Run};
 
 fn entries(place: &Place) -> Vec<u64> {
-    let shown: serde_json::Value = serde_json::from_str(&place.ok("cache --json")).unwrap();
+    let shown = place.document("cache --json");
     let kinds = shown["kinds"].as_array().unwrap();
     let sum: u64 = kinds.iter().map(|k| k["bytes"].as_u64().unwrap()).sum();
     assert_eq!(shown["bytes"].as_u64().unwrap(), sum);

@@ -25,7 +25,7 @@ fn a_design_becomes_a_camera_that_other_commands_take() {
     assert!(place.read("best/filters.csv").starts_with(b"wavelength_nm,A,B,C\n"));
     assert!(place.read("best/mosaic.svg").starts_with(b"<svg"));
     assert!(place.read("best/mosaic.png").starts_with(b"\x89PNG"));
-    let shown: Value = serde_json::from_str(&place.ok("show best/camera.toml --json")).unwrap();
+    let shown = place.document("show best/camera.toml --json");
     assert_eq!(shown["name"], "small");
     // The same search gives the same files.
     place.ok("design small.toml -o again --no-pipeline --training-set catalog --threads 1");
@@ -43,10 +43,8 @@ fn a_camera_that_bins_and_has_crosstalk_is_designed() {
     place.ok("design binned.toml -o best --no-pipeline --training-set catalog");
     let toml = String::from_utf8(place.read("best/camera.toml")).unwrap();
     assert!(toml.contains("side = 2"), "{toml}");
-    let (own, found): (Value, Value) = (
-        serde_json::from_str(&place.ok("show phone-quad-binned --json")).unwrap(),
-        serde_json::from_str(&place.ok("show best/camera.toml --json")).unwrap(),
-    );
+    let (own, found) =
+        (place.document("show phone-quad-binned --json"), place.document("show best/camera.toml --json"));
     let (own, found) = (&own["description"]["sensor"], &found["description"]["sensor"]);
     let pattern: Vec<&str> =
         found["cfa"]["pattern"].as_array().unwrap().iter().map(|row| row.as_str().unwrap()).collect();

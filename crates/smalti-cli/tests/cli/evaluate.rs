@@ -5,7 +5,7 @@ use serde_json::Value;
 use crate::{Place, numbers};
 
 fn cameras(place: &Place, words: &str) -> Vec<Value> {
-    let document: Value = serde_json::from_str(&place.ok(&format!("evaluate --json {words}"))).unwrap();
+    let document = place.document(&format!("evaluate --json {words}"));
     document["cameras"].as_array().unwrap().clone()
 }
 

@@ -32,13 +32,9 @@ fn as_read(value: &impl Serialize) -> Value {
     serde_json::from_str(&serde_json::to_string(value).unwrap()).unwrap()
 }
 
-fn json(text: &str) -> Value {
-    serde_json::from_str(text).unwrap()
-}
-
 #[test]
 fn evaluate_gives_what_the_library_gives() {
-    let found = json(&Place::new().ok(&format!("evaluate rgbw --luminance 20 --seed 3 --json {SET}")));
+    let found = Place::new().document(&format!("evaluate rgbw --luminance 20 --seed 3 --json {SET}"));
     let settings = EvaluationSettings { luminance_cd_m2: 20.0, seed: 3, ..EvaluationSettings::default() };
     let rgbw = camera("rgbw");
     let (scores, _) =
@@ -54,7 +50,7 @@ fn compare_gives_what_the_library_gives() {
     let words = format!(
         "compare bayer rgbw --processing bilinear --scene {LEAVES} --scene {MACBETH} --luminance 1,20 -o o --json {SET}"
     );
-    let found = json(&Place::new().ok(&words));
+    let found = Place::new().document(&words);
     let cameras = [camera("bayer"), camera("rgbw")];
     let processing = Processing::Classic(Demosaic::Bilinear);
     let contender = |camera, label| Contender { camera, label, processing, pipelines: None };
@@ -85,7 +81,7 @@ fn compare_gives_what_the_library_gives() {
 #[test]
 fn simulate_gives_what_the_library_gives_and_scores_as_compare_does() {
     let found =
-        json(&Place::new().ok(&format!("simulate bayer --scene {MACBETH} --luminance 30 -o o --json {SET}")));
+        Place::new().document(&format!("simulate bayer --scene {MACBETH} --luminance 30 -o o --json {SET}"));
     let mut bayer = camera("bayer");
     let request = SceneRequest { luminance_cd_m2: Some(30.0), ..SceneRequest::default() };
     let scene = bayer.fitted(scenes::load(MACBETH, &request).unwrap(), false).unwrap();
@@ -128,7 +124,7 @@ fn train_learns_what_the_library_learns() {
     assert_eq!(learned.kernels(), own.kernels());
     assert_eq!(learned.provenance(), own.provenance());
     // Provenance is structured.
-    let provenance = json(learned.provenance());
+    let provenance = serde_json::from_str::<Value>(learned.provenance()).unwrap();
     assert_eq!(provenance["settings"]["side"], 3);
     assert_eq!(provenance["settings"]["textures"], "none");
     assert_eq!(provenance["scenes"], serde_json::json!([LEAVES, MACBETH]));

@@ -45,8 +45,7 @@ fn what_is_trained_renders_what_is_simulated() {
     place.ok(&format!("simulate bayer {OTHER} {SMALL} -o s"));
 
     // What the table gives, in numbers.
-    let json: serde_json::Value =
-        serde_json::from_str(&place.ok("render s/raw.dng --pipeline a.l3 -o p.npy --json")).unwrap();
+    let json = place.document("render s/raw.dng --pipeline a.l3 -o p.npy --json");
     assert_eq!((&json["rows"], &json["cols"]), (&96.into(), &96.into()));
     assert_eq!(json["outputs"], serde_json::json!(["X", "Y", "Z"]));
     assert_eq!((&json["output"], &json["arithmetic"]), (&"p.npy".into(), &"single precision".into()));
@@ -204,9 +203,7 @@ fn tables_for_others() {
     let header = String::from_utf8(place.read("my-isp.h")).unwrap();
     assert!(header.contains("my_isp_") && header.contains("int16_t"), "{}", &header[..500.min(header.len())]);
     assert_eq!(&place.read("a.npz")[..2], b"PK");
-    let json: serde_json::Value =
-        serde_json::from_str(&place.ok(&format!("train bayer {LEAVES} {SMALL} {EXPOSURES} -o b.l3 --json")))
-            .unwrap();
+    let json = place.document(&format!("train bayer {LEAVES} {SMALL} {EXPOSURES} -o b.l3 --json"));
     let table = table(&place, "b.l3");
     assert_eq!(json["classes"].as_array().unwrap().len(), table.classes().len());
     assert_eq!(json["patches"], 16928);
@@ -314,7 +311,7 @@ fn best_quality_refines_what_fast_quality_renders() {
     let (_, best) = array(&place, "best.npy");
     // The first stage of the table of best quality alone.
     let first = "render s/raw.dng --pipeline best.l3 --quality fast -o first.npy --json";
-    let first: serde_json::Value = serde_json::from_str(&place.ok(first)).unwrap();
+    let first = place.document(first);
     assert_eq!(first["quality"], "fast");
     assert_eq!(array(&place, "first.npy").1, fast);
     place.ok("render s/raw.dng --pipeline best.l3 --fixed -o fixed.npy -q");

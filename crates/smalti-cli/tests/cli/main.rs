@@ -88,6 +88,11 @@ impl Place {
         run.out
     }
 
+    /// The JSON document that the program prints.
+    fn document(&self, words: &str) -> serde_json::Value {
+        serde_json::from_str(&self.ok(words)).unwrap()
+    }
+
     fn write(&self, name: &str, content: impl AsRef<[u8]>) {
         std::fs::write(self.path(name), content).unwrap();
     }

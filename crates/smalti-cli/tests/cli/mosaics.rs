@@ -54,23 +54,23 @@ fn a_camera_has_another_mosaic_wherever_it_is_named() {
 
     // A file of the array, as `show` prints it.
     place.write("array.toml", place.ok("show quad-bayer --toml"));
-    let of_file = json(&place.ok("show machine-vision --cfa array.toml --json"));
+    let of_file = place.document("show machine-vision --cfa array.toml --json");
     assert_eq!(of_file["name"], "machine-vision@array");
     assert_eq!(of_file["description"]["sensor"]["cfa"]["filters"]["R"]["builtin"], "red");
     // A camera file, and its own filters.
     place.write("own.toml", place.ok("show machine-vision --toml"));
-    let shown = json(&place.ok("show own.toml@quad-bayer --json"));
+    let shown = place.document("show own.toml@quad-bayer --json");
     let cfa = &shown["description"]["sensor"]["cfa"];
     assert_eq!(
         (&cfa["pattern"], &cfa["filters"]["G"]["builtin"]),
         (
             &"quad-bayer".into(),
-            &json(&place.ok("show own.toml --json"))["description"]["sensor"]["cfa"]["filters"]["G"]["builtin"]
+            &place.document("show own.toml --json")["description"]["sensor"]["cfa"]["filters"]["G"]["builtin"]
         )
     );
     // What is printed as TOML is that camera.
     place.write("quad.toml", place.ok("show own.toml@quad-bayer --toml"));
-    let again = json(&place.ok("show quad.toml --json"));
+    let again = place.document("show quad.toml --json");
     assert_eq!(again["description"], shown["description"]);
 }
 
@@ -154,7 +154,7 @@ fn one_file_holds_the_filters_of_all_letters() {
     let place = Place::new();
     place.write("camera.toml", CAMERA);
     place.write("filters.csv", "wavelength_nm,R,G,B\n400,0.1,0.2,0.9\n550,0.2,0.8,0.1\n700,0.7,0.1,0.05\n");
-    let plain = json(&place.ok("show camera.toml --json"));
+    let plain = place.document("show camera.toml --json");
     // The names of files stay where the text is shown.
     let text = place.ok("show camera.toml");
     assert!(text.contains("filters.csv#G") && !text.contains("values"), "{text}");
@@ -238,9 +238,8 @@ fn a_learned_table_renders_in_simulate_and_evaluate() {
     let largest = a.iter().zip(&b).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
     assert!(a.len() == b.len() && largest <= 2.0 / 255.0, "{largest}");
 
-    let scores = |words: &str| {
-        json(&place.ok(&format!("evaluate bayer {SMALL} {words} --json")))["cameras"][0].clone()
-    };
+    let scores =
+        |words: &str| place.document(&format!("evaluate bayer {SMALL} {words} --json"))["cameras"][0].clone();
     let (own, learned) = (scores(""), scores("--pipeline a.l3"));
     assert_ne!(own["mtf50_cy_per_px"], learned["mtf50_cy_per_px"]);
     let text = place.ok(&format!("evaluate bayer {SMALL} --pipeline a.l3"));

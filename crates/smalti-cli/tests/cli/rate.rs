@@ -58,8 +58,7 @@ fn a_scale_is_recovered_from_the_answers() {
     assert!(run.err.contains("no answers yet"), "{}", run.err);
     let truth = [-1.2, 0.4, -0.6, 1.4];
     observe(&place, "trial", 8, |a, b| Model::ThurstoneCaseV.probability(truth[a] - truth[b]));
-    let results: serde_json::Value =
-        serde_json::from_str(&place.ok("rate analyse trial --json --keep-all")).unwrap();
+    let results = place.document("rate analyse trial --json --keep-all");
     assert_eq!(results["observers"].as_array().unwrap().len(), 8);
     assert_eq!(results["result"]["intervals_describe"], "observers");
     let conditions = results["result"]["all"]["conditions"].as_array().unwrap();
@@ -146,8 +145,7 @@ fn the_light_of_equal_appearance_is_recovered() {
     observe(&place, "light", 10, |a, b| {
         if a == 0 { 1.0 - truth.probability(stops[b]) } else { truth.probability(stops[a]) }
     });
-    let results: serde_json::Value =
-        serde_json::from_str(&place.ok("rate analyse light --json --keep-all")).unwrap();
+    let results = place.document("rate analyse light --json --keep-all");
     let fit = &results["result"]["fit"];
     let interval = &fit["equality"]["interval"];
     let (low, high) = (interval["low"].as_f64().unwrap(), interval["high"].as_f64().unwrap());

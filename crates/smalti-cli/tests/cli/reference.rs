@@ -23,7 +23,7 @@ fn leaves(value: &Value, path: &str, found: &mut Vec<(String, Value)>) {
 #[test]
 fn camera_keys_are_those_of_the_code() {
     let place = Place::new();
-    let listed: Value = serde_json::from_str(&place.ok("list camera-keys --json")).unwrap();
+    let listed = place.document("list camera-keys --json");
     let default = |key: &str| {
         let entry = listed.as_array().unwrap().iter().find(|e| e["key"] == key);
         entry.unwrap_or_else(|| panic!("{key} is not listed"))["default"].clone()
@@ -49,7 +49,7 @@ fn study_keys_and_schemas() {
     {
         assert!(studies.contains(word), "{word} is missing in\n{studies}");
     }
-    let schema: Value = serde_json::from_str(&place.ok("list camera-keys --schema")).unwrap();
+    let schema = place.document("list camera-keys --schema");
     assert!(schema["properties"]["sensor"].is_object() && schema["additionalProperties"] == false);
     assert_eq!(place.run(&["list", "cfas", "--schema"]).code, 1);
 }
@@ -83,7 +83,7 @@ fn the_pages_of_the_reference_are_current() {
 fn the_tiles_of_the_reference_are_current() {
     let place = Place::new();
     let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/reference/cfas");
-    let listed: Value = serde_json::from_str(&place.ok("list cfas --json")).unwrap();
+    let listed = place.document("list cfas --json");
     let names: Vec<&str> = listed.as_array().unwrap().iter().map(|c| c["name"].as_str().unwrap()).collect();
     assert_eq!(std::fs::read_dir(&docs).unwrap().count(), names.len());
     for name in names {

@@ -1,7 +1,6 @@
 //! `smalti show`: what is drawn, in characters and in pictures, and what it says as JSON and TOML.
 
 use base64::Engine;
-use serde_json::Value;
 
 use crate::Place;
 
@@ -12,10 +11,6 @@ fn colored(place: &Place, words: &str) -> String {
     let run = crate::Run::of(&mut command);
     assert_eq!((run.code, run.err.as_str()), (0, ""), "smalti {words}");
     run.out
-}
-
-fn json(place: &Place, words: &str) -> Value {
-    serde_json::from_str(&place.ok(words)).unwrap()
 }
 
 #[test]
@@ -47,7 +42,7 @@ fn a_mosaic_has_its_tile_shares_and_spectra() {
             text.to_lowercase().contains(&line.to_lowercase()) || squeezed.contains(&line.replace(' ', ""));
         assert!(found, "{line}:\n{text}");
     }
-    let json = json(&place, "show xtrans --json");
+    let json = place.document("show xtrans --json");
     assert_eq!((json["kind"].as_str(), json["rows"].as_u64()), (Some("cfa"), Some(6)));
     let channels = json["channels"].as_array().unwrap();
     // X-Trans: 20 green, 8 red and 8 blue of 36.
@@ -75,7 +70,7 @@ fn grounds(text: &str) -> Vec<[u8; 3]> {
 fn cells_have_the_colours_of_their_filters() {
     let place = Place::new();
     let text = colored(&place, "show bayer --as cfa --graphics blocks");
-    let json = json(&place, "show bayer --as cfa --json");
+    let json = place.document("show bayer --as cfa --json");
     let channels = json["channels"].as_array().unwrap();
     let color = |letter: char| {
         let hex =
@@ -122,7 +117,7 @@ fn a_scene_is_a_picture_in_half_blocks() {
     {
         assert!(text.contains(words), "{words}:\n{text}");
     }
-    let dim = json(&place, "show macbeth?patch=8 --luminance 5 --illuminant A --distance 3 --json");
+    let dim = place.document("show macbeth?patch=8 --luminance 5 --illuminant A --distance 3 --json");
     assert!((dim["mean_luminance_cd_m2"].as_f64().unwrap() - 5.0).abs() < 1e-4, "{dim}");
     assert_eq!((dim["illuminant"].as_str(), dim["distance_m"].as_f64()), (Some("A"), Some(3.0)));
     assert!((dim["illuminant_temperature_k"].as_f64().unwrap() - 2856.0).abs() < 15.0, "{dim}");
@@ -241,10 +236,10 @@ fn a_camera_is_its_description_and_its_file() {
         place.write("own.toml", place.ok(&format!("show {camera} --toml")));
         let [own, built_in] =
             ["show own.toml --json".to_owned(), format!("show {camera} --as camera --json")]
-                .map(|words| json(&place, &words)["description"].clone());
+                .map(|words| place.document(&words)["description"].clone());
         assert_eq!(own, built_in, "{camera}");
     }
-    let json = json(&place, "show own.toml --set sensor.pixel.pitch_um=2.5 --json");
+    let json = place.document("show own.toml --set sensor.pixel.pitch_um=2.5 --json");
     assert_eq!(json["description"]["sensor"]["pixel"]["pitch_um"], 2.5);
     let nyquist =
         json["derived"].as_array().unwrap().iter().find(|d| d["name"] == "Nyquist frequency").unwrap();
@@ -270,7 +265,7 @@ fn a_name_of_several_things_and_of_none() {
     let place = Place::new();
     let text = place.ok("show bayer");
     assert!(text.starts_with("bayer: a camera") && text.contains("also a CFA (--as cfa)"), "{text}");
-    assert_eq!(json(&place, "show bayer --json")["also"][0], "cfa");
+    assert_eq!(place.document("show bayer --json")["also"][0], "cfa");
     assert!(place.ok("show bayer --as cfa").starts_with("bayer: a colour filter array"));
     place.write("curve.csv", "400,0.1\n550,1\n700,0.2\n");
     assert!(place.ok("show curve.csv").contains("peak 1.00 at 550 nm"));

@@ -92,7 +92,7 @@ fn it_opens_with_what_a_sweep_or_a_comparison_wrote() {
     // The best design, as the report has it.
     let run = export(&place, "swept --export of-swept");
     assert_eq!(run.code, 0, "{}", run.err);
-    let report: serde_json::Value = serde_json::from_str(&place.ok("report swept --json -q")).unwrap();
+    let report = place.document("report swept --json -q");
     let best = &report["studies"][0]["sections"][0]["colors"][0]["best"][0]["trial"];
     assert!(
         run.err.contains(&format!("note: swept: trial {best}, the best of the fewest colours")),
@@ -104,11 +104,7 @@ fn it_opens_with_what_a_sweep_or_a_comparison_wrote() {
     assert_eq!(name(&text("of-swept/start.toml")), name(&place.ok(&format!("report swept --camera {best}"))));
     // The first camera, and the second one pinned.
     let cameras: Vec<serde_json::Value> = ["rgbw", "bayer", "phone"]
-        .map(|camera| {
-            serde_json::from_str::<serde_json::Value>(&place.ok(&format!("show {camera} --json")))
-                    .unwrap()["description"]
-                    .clone()
-        })
+        .map(|camera| place.document(&format!("show {camera} --json"))["description"].clone())
         .to_vec();
     std::fs::create_dir(place.path("compared")).unwrap();
     place.write("compared/results.json", serde_json::json!({"cameras": cameras}).to_string());

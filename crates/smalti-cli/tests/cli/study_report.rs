@@ -59,8 +59,8 @@ fn printed(place: &Place, dir: &str) -> String {
 }
 
 /// Its results, without drawing figures.
-fn document(place: &Place, dir: &str) -> Value {
-    serde_json::from_str(&place.ok(&format!("report {dir} -o page.html --json"))).unwrap()
+fn results(place: &Place, dir: &str) -> Value {
+    place.document(&format!("report {dir} -o page.html --json"))
 }
 
 fn rows(dir: &Path) -> Vec<Column> {
@@ -87,7 +87,7 @@ fn means_best_and_front_are_those_of_the_rows() {
     let place = swept();
     let text = place.ok("report out");
     let report = place.json("out/report/report.json");
-    assert_eq!(serde_json::from_str::<Value>(&place.ok("report out --json")).unwrap(), report);
+    assert_eq!(place.document("report out --json"), report);
     let [
         Column::Int(colors),
         Column::Float(delta_e),
@@ -173,7 +173,7 @@ fn detail_finer_than_the_pixels_is_marked() {
     let absurd = study("", set([(442, 45), (462, 33), (635, 42)]));
     assert!(absurd.contains(" * ") && absurd.contains("\n* MTF50 lies beyond the 0.5 cycles"), "{absurd}");
     assert!(absurd.contains("Means contain the MTF50 of 1 design beyond the Nyquist frequency"), "{absurd}");
-    let section = || document(&place, "out")["studies"][0]["sections"][0].clone();
+    let section = || results(&place, "out")["studies"][0]["sections"][0].clone();
     assert_eq!(section()["colors"][0]["best"][0]["mtf50_reliability"], "beyond-nyquist");
     let sound = study("", set([(455, 25), (540, 35), (600, 30)]));
     assert!(!sound.contains('*') && !sound.contains("Means contain"), "{sound}");
@@ -211,7 +211,7 @@ fn every_trial_has_its_exposure() {
     assert!(dim.contains("Exposure: ColorChecker 100.0 ms (0.00 % of the samples saturated)."), "{dim}");
     assert!(dim.lines().any(|l| l.contains("exposure ms  saturated %")), "{dim}");
     let bright = reported("metrics = [\"vora_value\"]\nluminance_cd_m2 = 5000");
-    let trial = &document(&place, "out")["studies"][0]["sections"][0]["colors"][0]["best"][0];
+    let trial = &results(&place, "out")["studies"][0]["sections"][0]["colors"][0]["best"][0];
     let share = trial["macbeth_saturated_percent"].as_f64().unwrap();
     assert!(share > 50.0 && trial["macbeth_time_s"] == 0.1, "{trial}");
     assert!(bright.contains(&format!("{share:.2}")), "{bright}");
@@ -220,7 +220,7 @@ fn every_trial_has_its_exposure() {
         "metrics = [\"mtf50_cy_per_mm\", \"delta_e_76\"]\nluminance_cd_m2 = 500\nprocessing = [\"classic\", \"l3\"]",
     );
     assert!(both.contains(", edge 100.0 ms ("), "{both}");
-    let document = document(&place, "out");
+    let document = results(&place, "out");
     let sections = document["studies"][0]["sections"].as_array().unwrap();
     let shares = |i: usize| -> Vec<f64> {
         let best = sections[i]["colors"][0]["best"].as_array().unwrap();
@@ -409,7 +409,7 @@ fn many_conditions_are_printed_in_short() {
         assert!(of_all.lines().any(|l| l.starts_with(&name)), "no {name} in\n{of_all}");
     }
     assert!(of_all.contains("Tables of 3 of the 6 conditions follow. `--draw TEXT`"), "{of_all}");
-    assert_eq!(document(&place, "out")["studies"][0]["sections"].as_array().unwrap().len(), 6);
+    assert_eq!(results(&place, "out")["studies"][0]["sections"].as_array().unwrap().len(), 6);
     let run = place.run(&["report", "out", "--draw", "f-number 4", "-o", "some.html"]);
     assert!(run.out.contains("── f-number 4, PRNU 2 % ──"), "{}", run.out);
     assert_eq!(tables(&run.out), 2, "{}", run.out);
@@ -432,7 +432,7 @@ fn the_first_metric_of_a_study_ranks() {
     {
         place.write("study.toml", format!("metrics = {metrics:?}\n{TINY}"));
         place.ok(&format!("sweep study.toml -o {name}"));
-        let report = document(&place, name);
+        let report = results(&place, name);
         let section = &report["studies"][0]["sections"][0];
         assert!(section["best_by"].as_str().unwrap().contains("first metric of the study"), "{section}");
         let dataset = Dataset::open(&place.path(name)).unwrap();
@@ -553,10 +553,10 @@ fn made_with(place: &Place, change: impl FnOnce(&mut Value)) {
 #[test]
 fn results_of_another_version_are_shown_and_not_continued() {
     let place = swept();
-    let ours = document(&place, "out");
+    let ours = results(&place, "out");
     made_by_another_version(&place, "0.0.9");
-    let theirs = document(&place, "out");
-    let page = String::from_utf8(place.read("page.html")).unwrap();
+    let theirs = place.document("report out --json -o theirs");
+    let page = String::from_utf8(place.read("theirs/report.html")).unwrap();
     assert!(page.contains("the figures are those of Smalti 0.0.9"), "{theirs}");
     // The figures are those that stand in the files.
     let sections = &ours["studies"][0]["sections"];
@@ -573,7 +573,7 @@ fn results_of_a_machine_with_other_arithmetic_are_shown_and_not_continued() {
     let own = place.json("out/manifest.json")["study"]["arithmetic"].as_str().unwrap().to_owned();
     assert_eq!(own, smalti::numeric::arithmetic());
     made_with(&place, |manifest| manifest["study"]["arithmetic"] = "0123456789abcdef".into());
-    printed(&place, "out");
+    place.ok("report out -o theirs");
     place.ok("sweep tiny.toml -o mine");
     for words in ["sweep tiny.toml -o out", "sweep --merge out mine -o both"] {
         let refused = place.run(&words.split(' ').collect::<Vec<_>>());
@@ -595,7 +595,7 @@ fn incomplete_results_are_reported_as_such() {
         ),
         "{text}"
     );
-    let study = &document(&place, "out")["studies"][0];
+    let study = &results(&place, "out")["studies"][0];
     assert_eq!((study["trials"].as_u64(), study["trials_missing"].as_u64()), (Some(600), Some(88)));
 }
 

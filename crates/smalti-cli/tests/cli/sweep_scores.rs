@@ -74,8 +74,7 @@ fn a_sweep_gives_the_figures_of_evaluate() {
         let command = design.lines().nth(1).and_then(|line| line.strip_prefix("# smalti ")).unwrap();
         place.write(command.split(' ').nth(1).unwrap(), &design);
         for command in ["evaluate camera.toml --luminance 75", command] {
-            let found: serde_json::Value =
-                serde_json::from_str(&place.ok(&format!("{command} --json"))).unwrap();
+            let found = place.document(&format!("{command} --json"));
             for (metric, swept) in metrics.iter().zip(&swept) {
                 let value = &found["cameras"][0][*metric];
                 let expected = value["mean"].as_f64().or(value.as_f64()).unwrap();

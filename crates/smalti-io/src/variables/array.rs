@@ -46,17 +46,13 @@ impl Chunks {
         of: [usize; 3],
         dims: [usize; 3],
         filters: Vec<Filter>,
-        stored: Vec<([usize; 3], Place)>,
+        stored: impl IntoIterator<Item = ([usize; 3], Place)>,
     ) -> Option<Self> {
         if dims.contains(&0) {
             return None;
         }
         let counts = [0, 1, 2].map(|a| of[a].div_ceil(dims[a]));
         let expected = counts[0].checked_mul(counts[1])?.checked_mul(counts[2])?;
-        // A file can declare more than memory holds, but has to name each.
-        if expected > stored.len() {
-            return None;
-        }
         let mut places = vec![None; expected];
         for (start, place) in stored {
             let [x, y, z] = [0, 1, 2].map(|a| start[a] / dims[a]);
@@ -102,7 +98,7 @@ impl Array {
 
     /// Its numbers in the order of the file, where they are as few as a list of wavelengths has.
     pub(crate) fn numbers(&self, path: &Path, limits: Limits) -> Result<Vec<f64>, IoError> {
-        // One axis may be as long as it likes beside another that has no element.
+        // Beside an axis without an element, another may have any length.
         if self.count() == 0 {
             return Ok(Vec::new());
         }

@@ -9,7 +9,7 @@ use std::path::PathBuf;
 use smalti::numeric::philox::Stream;
 use smalti::spectrum::WavelengthGrid;
 
-/// Few wavelengths, for tests to which they mean as much as many, and which take the third part of the time.
+/// Few wavelengths, for tests to which they mean as much as many, and which take a third of the time.
 pub fn coarse_grid() -> WavelengthGrid {
     WavelengthGrid::new(400.0, 30.0, 11).unwrap()
 }

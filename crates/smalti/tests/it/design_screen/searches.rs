@@ -102,6 +102,7 @@ fn annealing_finds_what_enumeration_finds() {
         let found = layouts.layouts(colors, &|_| true).unwrap();
         let annealed = finish(&found[0].mosaic, std::slice::from_ref(&found[0].parameters));
         assert!((annealed - best).abs() < 0.01, "{rows} × {cols}: {annealed} {best}");
+        assert_eq!(found, layouts.layouts(colors, &|_| true).unwrap());
         let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
         assert_eq!(found, one.install(|| layouts.layouts(colors, &|_| true).unwrap()));
     }
