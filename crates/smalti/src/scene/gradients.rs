@@ -46,10 +46,10 @@ pub fn gradients(
     require((1..=32768).contains(&cols), "cols", cols as f64, "1 to 32768")?;
     require((2..=32768).contains(&cell_px), "cell_px", cell_px as f64, "2 to 32768")?;
     require((1.0..=1e8).contains(&contrast_ratio), "contrast_ratio", contrast_ratio, "1 to 1e8")?;
+    check_size(rows, cols, setting.grid)?;
     let white = [Spectrum::constant(setting.grid, 1.0)?];
     let reflectances = if neutral { &white[..] } else { reflectances };
     let kinds = count_reflectances(reflectances, setting.grid)?;
-    check_size(rows, cols, setting.grid)?;
     let node = |down: usize, right: usize| {
         let mut random = Stream::new(seed, PURPOSE, (down as u32) << 16 | right as u32);
         (random.below(kinds), -random.uniform() * contrast_ratio.ln())

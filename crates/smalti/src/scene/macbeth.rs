@@ -29,7 +29,16 @@ pub fn reflectances(grid: WavelengthGrid) -> Result<Vec<Spectrum>, SceneError> {
 /// # Errors
 /// When `patch_px` is 0, the scene would be too large, or the setting is out of range.
 pub fn chart(patch_px: usize, setting: &Setting) -> Result<Scene, SceneError> {
+    size(patch_px, setting)?;
     chart_of(&reflectances(setting.grid)?, patch_px, setting)
+}
+
+/// Rows and columns of pixels. Fails when there would be none or too many.
+fn size(patch_px: usize, setting: &Setting) -> Result<(usize, usize), SceneError> {
+    require(patch_px > 0, "patch_px", patch_px as f64, "at least 1")?;
+    let (rows, cols) = (ROWS.saturating_mul(patch_px), COLS.saturating_mul(patch_px));
+    check_size(rows, cols, setting.grid)?;
+    Ok((rows, cols))
 }
 
 /// The chart with other reflectances: 24 of them, row by row, on the grid of the setting.
@@ -41,9 +50,7 @@ pub fn chart_of(reflectances: &[Spectrum], patch_px: usize, setting: &Setting) -
         return Err(SceneError::Reflectances { got: reflectances.len(), expected: "24, row by row" });
     }
     count_reflectances(reflectances, setting.grid)?;
-    require(patch_px > 0, "patch_px", patch_px as f64, "at least 1")?;
-    let (rows, cols) = (ROWS.saturating_mul(patch_px), COLS.saturating_mul(patch_px));
-    check_size(rows, cols, setting.grid)?;
+    let (rows, cols) = size(patch_px, setting)?;
     let row_of = |row: usize| -> Vec<Fragment> {
         let first = row / patch_px * COLS;
         (0..cols)
