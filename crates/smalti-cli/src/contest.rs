@@ -127,6 +127,15 @@ impl ContestOptions {
             );
         }
         without_infrared(&cameras, &scenes, &illuminant)?.iter().for_each(|text| note(text, common));
+        let labelled = labels.iter().map(String::as_str).zip(&cameras);
+        let seed = self.camera_options.seed;
+        self.exposure.policy().ensure_chart_is_measurable(
+            labelled,
+            &self.luminance,
+            &illuminant,
+            seed,
+            resources,
+        )?;
         let learning = (&settings, &training);
         let pipelines = pipelines(&cameras, &labels, given, &self.processing, learning, &lights, resources)?;
         Ok(Contest { cameras, labels, scenes, illuminant, pipelines })

@@ -338,6 +338,9 @@ pub(crate) fn compare<'py>(
             progress: watch,
             memory_bytes: memory::available_bytes(),
         };
+        let labelled = labels.iter().map(String::as_str).zip(&cameras);
+        let (luminances, light) = (&settings.luminances_cd_m2, &settings.illuminant);
+        exposure.ensure_chart_is_measurable(labelled, luminances, light, seed, resources).or_raise()?;
         let learning = (&training, &Training::default());
         let learned =
             experiment::pipelines(&cameras, &labels, given, &processing, learning, &lights, resources)

@@ -25,7 +25,7 @@ use crate::metrics::esfr::{EdgeSfr, EsfrOptions, Mtf50Reliability, edge_sfr};
 use crate::numeric::Planes;
 use crate::optics::OpticalImage;
 use crate::scene::Setting;
-use crate::sensor::{Exposure, NoiseMode};
+use crate::sensor::{Exposure, NoiseMode, RawImage};
 use crate::spectrum::{Illuminant, Observer, Spectrum, WavelengthGrid};
 
 /// Luminance of the primaries of sRGB (IEC 61966-2-1).
@@ -226,10 +226,7 @@ pub fn evaluate_with(
     );
     let (noisy, reference) = (noisy?, reference?);
     let saturated_percent = noisy.saturated_percent();
-    if saturated_percent >= WHOLLY_SATURATED_PERCENT {
-        let nothing = MetricError::Undefined { quantity: "colour", reason: "all samples are saturated" };
-        return Err(chart.explained(nothing.into(), "the ColorChecker"));
-    }
+    ensure_not_wholly_saturated(&noisy).map_err(|e| chart.explained(e, "the ColorChecker"))?;
     let noisy = chart.isp.render(&noisy)?;
     let light = setting.illuminant.photons(camera.grid())?;
     let colors = chart::colors(&chart.clean, &light).map_err(|e| chart.explained(e, "the ColorChecker"))?;
@@ -271,6 +268,31 @@ pub fn evaluate_with(
         aliasing: aliasing.difference,
     };
     Ok((evaluation, pictures))
+}
+
+/// Checks that [`evaluate_with`] can measure the chart of a camera, as far as saturation tells it without a processing.
+///
+/// # Errors
+/// [`CameraError::Exposure`] where all samples saturate; when a stage fails.
+pub(crate) fn ensure_chart_is_measurable(
+    camera: &Camera,
+    settings: &EvaluationSettings,
+    images: OpticalImages<'_>,
+) -> Result<(), CameraError> {
+    let chart = Target::chart(camera, &settings.setting(camera.grid()))?;
+    let image = images(&chart.key, &|| chart.image())?;
+    let camera = &chart.camera;
+    let exposure = camera.exposure_or(settings.exposure.map(|t| t.macbeth_s), &image)?;
+    let noisy = camera.sensor.capture(&image, &exposure, NoiseMode::All, settings.seed)?;
+    ensure_not_wholly_saturated(&noisy)
+        .map_err(|e| camera.explained(e, "the ColorChecker", &image, &exposure))
+}
+
+fn ensure_not_wholly_saturated(chart: &RawImage) -> Result<(), CameraError> {
+    if chart.saturated_percent() >= WHOLLY_SATURATED_PERCENT {
+        return Err(MetricError::Undefined { quantity: "colour", reason: "all samples are saturated" }.into());
+    }
+    Ok(())
 }
 
 /// A target imaged on the camera, and its picture without noise.

@@ -4,9 +4,10 @@
 use super::error::StageContext;
 use super::progress::ensure_running;
 use super::{ExperimentError, Resources};
+use crate::camera::evaluate::ensure_chart_is_measurable;
 use crate::camera::target::Target;
 use crate::camera::{Camera, CameraError, EvaluationSettings, ExposureTimes, Setup, TestScene};
-use crate::numeric::require;
+use crate::numeric::{Number, require};
 use crate::optics::OpticalImage;
 use crate::scene::Setting;
 use crate::sensor::{AutoExposure, SensorError};
@@ -62,6 +63,39 @@ impl ExposurePolicy {
             Self::AutoEqual(_) => Self::AutoEqual(limits),
             Self::Own | Self::Time(_) => self,
         }
+    }
+
+    /// Checks that a time that is given shows something of the chart of every camera at every luminance, before any work for the
+    /// comparison. `seed` is that of the noise of the chart.
+    ///
+    /// # Errors
+    /// With the label of the camera, when all samples saturate or a stage fails.
+    pub fn ensure_chart_is_measurable<'a>(
+        self,
+        cameras: impl IntoIterator<Item = (&'a str, &'a Camera)>,
+        luminances_cd_m2: &[f64],
+        illuminant: &Illuminant,
+        seed: u64,
+        resources: Resources<'_>,
+    ) -> Result<(), ExperimentError> {
+        let Self::Time(time_s) = self else { return Ok(()) };
+        let times = ExposureTimes { macbeth_s: time_s, edge_s: time_s, zone_plate_s: time_s };
+        for (label, camera) in cameras {
+            for &luminance_cd_m2 in luminances_cd_m2 {
+                ensure_running(resources.progress)?;
+                let settings = EvaluationSettings {
+                    luminance_cd_m2,
+                    illuminant: illuminant.clone(),
+                    seed,
+                    exposure: Some(times),
+                    ..EvaluationSettings::default()
+                };
+                let images = |key: &str, make: &dyn Fn() -> _| resources.store.optical_image(key, make);
+                let context = || format!("{label} at {} cd/m²", Number(luminance_cd_m2));
+                ensure_chart_is_measurable(camera, &settings, &images).in_context(context)?;
+            }
+        }
+        Ok(())
     }
 }
 

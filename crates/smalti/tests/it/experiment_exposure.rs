@@ -149,3 +149,32 @@ fn impossible_exposures_name_the_setting() {
     let error = error.unwrap_err().to_string();
     assert!(error.starts_with("b, dead-leaves"), "{error}");
 }
+
+/// What a comparison would find after its pipelines are learned is known before, in the same words; a time at which one of two lights
+/// leaves nothing of the chart names that light.
+#[test]
+fn a_time_that_saturates_the_whole_chart_is_refused_before_work() {
+    let cameras = pair();
+    let checked = |policy: ExposurePolicy| {
+        let labelled = ["a", "b"].into_iter().zip(&cameras);
+        policy.ensure_chart_is_measurable(labelled, &[5.0, 500.0], &Illuminant::D65, 1, Resources::default())
+    };
+    for policy in
+        [ExposurePolicy::Own, ExposurePolicy::Time(1e-4), ExposurePolicy::Equal(EqualExposure::default())]
+    {
+        checked(policy).unwrap();
+    }
+    for (time_s, light) in [(3.0, "a at 500 cd/m²"), (3000.0, "a at 5 cd/m²")] {
+        let policy = ExposurePolicy::Time(time_s);
+        let early = checked(policy).unwrap_err();
+        let Err(late) = compare(&contenders(&cameras), &settings(policy), Resources::default()) else {
+            panic!("{time_s} s can be measured")
+        };
+        let told = |error: &ExperimentError| match error {
+            ExperimentError::Stage { context, source } => format!("{context}: {source}"),
+            other => other.to_string(),
+        };
+        assert_eq!(told(&early), told(&late));
+        assert!(told(&early).starts_with(light), "{}", told(&early));
+    }
+}
