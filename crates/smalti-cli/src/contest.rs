@@ -128,12 +128,10 @@ impl ContestOptions {
         }
         without_infrared(&cameras, &scenes, &illuminant)?.iter().for_each(|text| note(text, common));
         let labelled = labels.iter().map(String::as_str).zip(&cameras);
-        let seed = self.camera_options.seed;
-        self.exposure.policy().ensure_chart_is_measurable(
+        self.exposure.policy().ensure_targets_show_something(
             labelled,
             &self.luminance,
             &illuminant,
-            seed,
             resources,
         )?;
         let learning = (&settings, &training);

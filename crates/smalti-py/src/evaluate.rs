@@ -340,7 +340,7 @@ pub(crate) fn compare<'py>(
         };
         let labelled = labels.iter().map(String::as_str).zip(&cameras);
         let (luminances, light) = (&settings.luminances_cd_m2, &settings.illuminant);
-        exposure.ensure_chart_is_measurable(labelled, luminances, light, seed, resources).or_raise()?;
+        exposure.ensure_targets_show_something(labelled, luminances, light, resources).or_raise()?;
         let learning = (&training, &Training::default());
         let learned =
             experiment::pipelines(&cameras, &labels, given, &processing, learning, &lights, resources)

@@ -31,7 +31,11 @@ use crate::spectrum::{Illuminant, Observer, Spectrum, WavelengthGrid};
 /// Luminance of the primaries of sRGB (IEC 61966-2-1).
 const SRGB_LUMINANCE: [f64; 3] = [0.2126, 0.7152, 0.0722];
 
-/// From this share of saturated samples on, the chart shows nothing but defects of pixels, percent.
+/// What errors call the targets.
+const CHART: &str = "the ColorChecker";
+const LOW_CONTRAST_EDGE: &str = "the slanted edge of low contrast";
+
+/// From this share of saturated samples on, a target shows nothing but defects of pixels, percent.
 const WHOLLY_SATURATED_PERCENT: f64 = 99.5;
 
 /// Illumination of the targets and seeds of the noise.
@@ -226,11 +230,11 @@ pub fn evaluate_with(
     );
     let (noisy, reference) = (noisy?, reference?);
     let saturated_percent = noisy.saturated_percent();
-    ensure_not_wholly_saturated(&noisy).map_err(|e| chart.explained(e, "the ColorChecker"))?;
+    ensure_not_wholly_saturated(&noisy).map_err(|e| chart.explained(e, CHART))?;
     let noisy = chart.isp.render(&noisy)?;
     let light = setting.illuminant.photons(camera.grid())?;
-    let colors = chart::colors(&chart.clean, &light).map_err(|e| chart.explained(e, "the ColorChecker"))?;
-    let noise = chart.noise(&noisy, settings, &light).map_err(|e| chart.explained(e, "the ColorChecker"))?;
+    let colors = chart::colors(&chart.clean, &light).map_err(|e| chart.explained(e, CHART))?;
+    let noise = chart.noise(&noisy, settings, &light).map_err(|e| chart.explained(e, CHART))?;
     let mtf50 = edge_mtf50(edge.clean.planes(), LUMINANCE, EDGE_REGION)
         .map_err(|e| edge.explained(e, "the slanted edge"))?;
     let low_contrast = low_contrast.mtf50_or_none()?;
@@ -270,27 +274,34 @@ pub fn evaluate_with(
     Ok((evaluation, pictures))
 }
 
-/// Checks that [`evaluate_with`] can measure the chart of a camera, as far as saturation tells it without a processing.
+/// Checks that neither the chart nor the edge of low contrast saturates wholly, for which no processing is needed. The edge of high
+/// contrast and the zone plate have black parts, which never do.
 ///
 /// # Errors
-/// [`CameraError::Exposure`] where all samples saturate; when a stage fails.
-pub(crate) fn ensure_chart_is_measurable(
+/// [`CameraError::Exposure`] of the target that does; when a stage fails.
+pub(crate) fn ensure_targets_show_something(
     camera: &Camera,
     settings: &EvaluationSettings,
     images: OpticalImages<'_>,
 ) -> Result<(), CameraError> {
-    let chart = Target::chart(camera, &settings.setting(camera.grid()))?;
-    let image = images(&chart.key, &|| chart.image())?;
-    let camera = &chart.camera;
-    let exposure = camera.exposure_or(settings.exposure.map(|t| t.macbeth_s), &image)?;
-    let noisy = camera.sensor.capture(&image, &exposure, NoiseMode::All, settings.seed)?;
-    ensure_not_wholly_saturated(&noisy)
-        .map_err(|e| camera.explained(e, "the ColorChecker", &image, &exposure))
+    let setting = settings.setting(camera.grid());
+    let time = |of: fn(ExposureTimes) -> f64| settings.exposure.map(of);
+    for (target, time_s, name) in [
+        (Target::chart(camera, &setting)?, time(|t| t.macbeth_s), CHART),
+        (Target::low_contrast_edge(camera, &setting)?, time(|t| t.edge_s), LOW_CONTRAST_EDGE),
+    ] {
+        let image = images(&target.key, &|| target.image())?;
+        let exposure = target.camera.exposure_or(time_s, &image)?;
+        let raw = target.camera.sensor.capture_ideal(&image, &exposure)?;
+        ensure_not_wholly_saturated(&raw).map_err(|e| target.camera.explained(e, name, &image, &exposure))?;
+    }
+    Ok(())
 }
 
-fn ensure_not_wholly_saturated(chart: &RawImage) -> Result<(), CameraError> {
-    if chart.saturated_percent() >= WHOLLY_SATURATED_PERCENT {
-        return Err(MetricError::Undefined { quantity: "colour", reason: "all samples are saturated" }.into());
+fn ensure_not_wholly_saturated(raw: &RawImage) -> Result<(), CameraError> {
+    if raw.saturated_percent() >= WHOLLY_SATURATED_PERCENT {
+        let reason = "all samples are saturated";
+        return Err(MetricError::Undefined { quantity: "the picture", reason }.into());
     }
     Ok(())
 }
@@ -327,7 +338,7 @@ impl TargetCapture<'_, '_> {
             Err(CameraError::Metric(MetricError::NoEdge(_) | MetricError::LowContrast { .. })) => {
                 Ok(EdgeMtf50 { cy_per_px: f64::NAN, reliability: Mtf50Reliability::NoEdge })
             }
-            found => found.map_err(|e| self.explained(e, "the slanted edge of low contrast")),
+            found => found.map_err(|e| self.explained(e, LOW_CONTRAST_EDGE)),
         }
     }
 

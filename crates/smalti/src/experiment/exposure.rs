@@ -4,7 +4,7 @@
 use super::error::StageContext;
 use super::progress::ensure_running;
 use super::{ExperimentError, Resources};
-use crate::camera::evaluate::ensure_chart_is_measurable;
+use crate::camera::evaluate::ensure_targets_show_something;
 use crate::camera::target::Target;
 use crate::camera::{Camera, CameraError, EvaluationSettings, ExposureTimes, Setup, TestScene};
 use crate::numeric::{Number, require};
@@ -65,17 +65,16 @@ impl ExposurePolicy {
         }
     }
 
-    /// Checks that a time that is given shows something of the chart of every camera at every luminance, before any work for the
-    /// comparison. `seed` is that of the noise of the chart.
+    /// Checks that a time that is given leaves something of the chart and of the edge of low contrast unsaturated, for every camera at every
+    /// luminance, before any work for the comparison. Times that are chosen by a rule do.
     ///
     /// # Errors
-    /// With the label of the camera, when all samples saturate or a stage fails.
-    pub fn ensure_chart_is_measurable<'a>(
+    /// With the label of the camera, the luminance and the longest time, when all samples of a target saturate; when a stage fails.
+    pub fn ensure_targets_show_something<'a>(
         self,
         cameras: impl IntoIterator<Item = (&'a str, &'a Camera)>,
         luminances_cd_m2: &[f64],
         illuminant: &Illuminant,
-        seed: u64,
         resources: Resources<'_>,
     ) -> Result<(), ExperimentError> {
         let Self::Time(time_s) = self else { return Ok(()) };
@@ -86,13 +85,12 @@ impl ExposurePolicy {
                 let settings = EvaluationSettings {
                     luminance_cd_m2,
                     illuminant: illuminant.clone(),
-                    seed,
                     exposure: Some(times),
                     ..EvaluationSettings::default()
                 };
                 let images = |key: &str, make: &dyn Fn() -> _| resources.store.optical_image(key, make);
                 let context = || format!("{label} at {} cd/m²", Number(luminance_cd_m2));
-                ensure_chart_is_measurable(camera, &settings, &images).in_context(context)?;
+                ensure_targets_show_something(camera, &settings, &images).in_context(context)?;
             }
         }
         Ok(())

@@ -2,7 +2,7 @@
 #![allow(missing_docs, clippy::unwrap_used, clippy::panic)]
 
 use smalti::camera::description::AutoExposureName;
-use smalti::camera::{Camera, CameraDescription, ScoreSettings, TestScene};
+use smalti::camera::{Camera, CameraDescription, CameraError, ExposureFault, ScoreSettings, TestScene};
 use smalti::experiment::{
     ComparedPictures, ComparisonSettings, Contender, EqualExposure, ExperimentError, ExposurePlan,
     ExposurePolicy, Resources, compare,
@@ -150,31 +150,30 @@ fn impossible_exposures_name_the_setting() {
     assert!(error.starts_with("b, dead-leaves"), "{error}");
 }
 
-/// What a comparison would find after its pipelines are learned is known before, in the same words; a time at which one of two lights
-/// leaves nothing of the chart names that light.
+/// A time that saturates all of a target at one of two lights is refused with that light, the first that suits is stated, and that one is accepted.
 #[test]
-fn a_time_that_saturates_the_whole_chart_is_refused_before_work() {
+fn a_time_that_saturates_a_whole_target_is_refused_before_work() {
     let cameras = pair();
     let checked = |policy: ExposurePolicy| {
         let labelled = ["a", "b"].into_iter().zip(&cameras);
-        policy.ensure_chart_is_measurable(labelled, &[5.0, 500.0], &Illuminant::D65, 1, Resources::default())
+        policy.ensure_targets_show_something(labelled, &[5.0, 500.0], &Illuminant::D65, Resources::default())
     };
-    for policy in
-        [ExposurePolicy::Own, ExposurePolicy::Time(1e-4), ExposurePolicy::Equal(EqualExposure::default())]
-    {
+    for policy in [ExposurePolicy::Own, ExposurePolicy::Equal(EqualExposure::default())] {
         checked(policy).unwrap();
     }
-    for (time_s, light) in [(3.0, "a at 500 cd/m²"), (3000.0, "a at 5 cd/m²")] {
-        let policy = ExposurePolicy::Time(time_s);
-        let early = checked(policy).unwrap_err();
-        let Err(late) = compare(&contenders(&cameras), &settings(policy), Resources::default()) else {
-            panic!("{time_s} s can be measured")
+    for (time_s, light) in [(10.0, "a at 500 cd/m²"), (3000.0, "a at 5 cd/m²")] {
+        let ExperimentError::Stage { context, source } = checked(ExposurePolicy::Time(time_s)).unwrap_err()
+        else {
+            panic!("{time_s} s")
         };
-        let told = |error: &ExperimentError| match error {
-            ExperimentError::Stage { context, source } => format!("{context}: {source}"),
-            other => other.to_string(),
+        assert_eq!(context, light);
+        let CameraError::Exposure { fault: ExposureFault::Saturated { percent, longest_s }, .. } = *source
+        else {
+            panic!("{source}")
         };
-        assert_eq!(told(&early), told(&late));
-        assert!(told(&early).starts_with(light), "{}", told(&early));
+        assert!(percent > 99.4 && longest_s < time_s, "{percent} % in {time_s} s, {longest_s} s at most");
+        // The other light, which is brighter or the same, allows no more than this.
+        let suits = checked(ExposurePolicy::Time(longest_s));
+        assert_eq!(suits.is_ok(), light == "a at 500 cd/m²", "{longest_s} s");
     }
 }
