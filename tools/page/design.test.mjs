@@ -1,4 +1,4 @@
-// The page of a design in a real browser, as test.mjs for studies.
+// The page of a design in a real browser, as study.test.mjs for studies.
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
 import { mkdtemp, readFile, rm, writeFile } from "node:fs/promises";
