@@ -127,13 +127,8 @@ impl ContestOptions {
             );
         }
         without_infrared(&cameras, &scenes, &illuminant)?.iter().for_each(|text| note(text, common));
-        let labelled = labels.iter().map(String::as_str).zip(&cameras);
-        self.exposure.policy().ensure_targets_show_something(
-            labelled,
-            &self.luminance,
-            &illuminant,
-            resources,
-        )?;
+        let policy = self.exposure.policy();
+        policy.ensure_targets_show_something(&cameras, &labels, &self.luminance, &illuminant, resources)?;
         let learning = (&settings, &training);
         let pipelines = pipelines(&cameras, &labels, given, &self.processing, learning, &lights, resources)?;
         Ok(Contest { cameras, labels, scenes, illuminant, pipelines })

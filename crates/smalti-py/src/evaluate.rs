@@ -338,9 +338,8 @@ pub(crate) fn compare<'py>(
             progress: watch,
             memory_bytes: memory::available_bytes(),
         };
-        let labelled = labels.iter().map(String::as_str).zip(&cameras);
         let (luminances, light) = (&settings.luminances_cd_m2, &settings.illuminant);
-        exposure.ensure_targets_show_something(labelled, luminances, light, resources).or_raise()?;
+        exposure.ensure_targets_show_something(&cameras, &labels, luminances, light, resources).or_raise()?;
         let learning = (&training, &Training::default());
         let learned =
             experiment::pipelines(&cameras, &labels, given, &processing, learning, &lights, resources)

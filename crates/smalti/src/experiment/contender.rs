@@ -143,10 +143,8 @@ impl<'a> Contender<'a> {
     ) -> Result<(Evaluation, EvaluationPictures), ExperimentError> {
         let lights = [SceneLight { illuminant: settings.illuminant.clone(), grid: None }];
         ensure_lights_suffice([(self.label, self.camera)], &lights)?;
-        let images =
-            |key: &str, make: &dyn Fn() -> Result<_, CameraError>| resources.store.optical_image(key, make);
         let isp = |light: &Spectrum| self.isp(light, resources.progress);
-        evaluate_with(self.camera, settings, &images, &isp).map_err(|e| {
+        evaluate_with(self.camera, settings, &resources.images(), &isp).map_err(|e| {
             let gain = self.luminance_noise_gain(&settings.illuminant).filter(|gain| *gain > AMPLIFIED);
             let matrix = match (&e, gain) {
                 (CameraError::Metric(_), Some(gain)) => format!(

@@ -66,20 +66,21 @@ impl ExposurePolicy {
     }
 
     /// Checks that a time that is given leaves something of the chart and of the edge of low contrast unsaturated, for every camera at every
-    /// luminance, before any work for the comparison. Times that are chosen by a rule do.
+    /// luminance, before any work for the comparison. Times that are chosen by a rule do. `labels` are the unique names of the cameras in errors.
     ///
     /// # Errors
     /// With the label of the camera, the luminance and the longest time, when all samples of a target saturate; when a stage fails.
-    pub fn ensure_targets_show_something<'a>(
+    pub fn ensure_targets_show_something(
         self,
-        cameras: impl IntoIterator<Item = (&'a str, &'a Camera)>,
+        cameras: &[Camera],
+        labels: &[String],
         luminances_cd_m2: &[f64],
         illuminant: &Illuminant,
         resources: Resources<'_>,
     ) -> Result<(), ExperimentError> {
         let Self::Time(time_s) = self else { return Ok(()) };
         let times = ExposureTimes { macbeth_s: time_s, edge_s: time_s, zone_plate_s: time_s };
-        for (label, camera) in cameras {
+        for (camera, label) in cameras.iter().zip(labels) {
             for &luminance_cd_m2 in luminances_cd_m2 {
                 ensure_running(resources.progress)?;
                 let settings = EvaluationSettings {
@@ -88,9 +89,8 @@ impl ExposurePolicy {
                     exposure: Some(times),
                     ..EvaluationSettings::default()
                 };
-                let images = |key: &str, make: &dyn Fn() -> _| resources.store.optical_image(key, make);
                 let context = || format!("{label} at {} cd/m²", Number(luminance_cd_m2));
-                ensure_targets_show_something(camera, &settings, &images).in_context(context)?;
+                ensure_targets_show_something(camera, &settings, &resources.images()).in_context(context)?;
             }
         }
         Ok(())

@@ -74,6 +74,16 @@ pub struct Resources<'a> {
     pub memory_bytes: Option<u64>,
 }
 
+impl Resources<'_> {
+    /// The optical images of the store, as evaluations ask for them.
+    pub(super) fn images(
+        &self,
+    ) -> impl Fn(&str, &dyn Fn() -> Result<OpticalImage, CameraError>) -> Result<OpticalImage, CameraError> + Sync
+    {
+        |key, make| self.store.optical_image(key, make)
+    }
+}
+
 impl Default for Resources<'_> {
     /// No cache, no training scenes from files, no progress reports, no memory limit.
     fn default() -> Self {

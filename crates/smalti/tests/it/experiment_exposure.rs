@@ -155,8 +155,14 @@ fn impossible_exposures_name_the_setting() {
 fn a_time_that_saturates_a_whole_target_is_refused_before_work() {
     let cameras = pair();
     let checked = |policy: ExposurePolicy| {
-        let labelled = ["a", "b"].into_iter().zip(&cameras);
-        policy.ensure_targets_show_something(labelled, &[5.0, 500.0], &Illuminant::D65, Resources::default())
+        let labels = ["a", "b"].map(str::to_owned);
+        policy.ensure_targets_show_something(
+            &cameras,
+            &labels,
+            &[5.0, 500.0],
+            &Illuminant::D65,
+            Resources::default(),
+        )
     };
     for policy in [ExposurePolicy::Own, ExposurePolicy::Equal(EqualExposure::default())] {
         checked(policy).unwrap();

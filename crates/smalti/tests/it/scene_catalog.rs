@@ -5,8 +5,8 @@ use proptest::prelude::*;
 use smalti::scene::catalog::{build, common_parameters, names};
 use smalti::scene::{
     Checkerboard, ColorPatches, DeadLeaves, FrequencyOrientation, FrequencySweep, GlossyBalls, Gradients,
-    GreySteps, PatternSampling, PointGrid, ResolutionChart, SceneError, Setting, SiemensStar, SlantedBar,
-    ZonePlate, checkerboard, color_patches, dead_leaves, frequency_orientation, frequency_sweep,
+    GreySteps, MAX_VALUES, PatternSampling, PointGrid, ResolutionChart, SceneError, Setting, SiemensStar,
+    SlantedBar, ZonePlate, checkerboard, color_patches, dead_leaves, frequency_orientation, frequency_sweep,
     glossy_balls, gradients, grey_steps, hdr, macbeth, point_grid, resolution_chart, siemens_star,
     slanted_bar, uniform, zone_plate, zone_plate_isetcam,
 };
@@ -157,6 +157,14 @@ fn errors_say_what_was_expected() {
     assert!(matches!(error, SceneError::TooLarge { .. }), "{error}");
     let error = build("uniform?size=16384", &full, &[]).unwrap_err();
     assert!(matches!(error, SceneError::TooLarge { .. }), "{error}");
+    // A pixel has too many wavelengths for memory; its reflectances would have as well.
+    let grid = WavelengthGrid::new(400.0, 1e-9, MAX_VALUES + 1).unwrap();
+    let (many, natural) =
+        (Setting { grid, ..Setting::default() }, [Spectrum::constant(full.grid, 0.5).unwrap()]);
+    for spec in ["macbeth", "gradients?paint=white", "uniform"] {
+        let error = build(spec, &many, &natural).unwrap_err();
+        assert!(matches!(error, SceneError::TooLarge { .. }), "{spec}: {error}");
+    }
 }
 
 /// A value that may be anything, but asks for few pixels or for far too many.
