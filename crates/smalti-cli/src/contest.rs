@@ -6,8 +6,8 @@ use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use smalti::camera::{Camera, TestScene};
 use smalti::experiment::{
-    Contender, PipelineSet, Processing, Progress as _, Resources, contenders, ensure_any_defined, pipelines,
-    scene_lights, without_infrared,
+    Contender, PipelineSet, Processing, Progress as _, Resources, contenders, ensure_any_defined,
+    other_wavelengths_note, pipelines, scene_lights, without_infrared,
 };
 use smalti::isp::Demosaic;
 use smalti::spectrum::Illuminant;
@@ -117,6 +117,12 @@ impl ContestOptions {
         resolve::ensure_tables_fit(&self.pipelines, cameras.iter().zip(&given))?;
         let scenes = self.test_scenes(&illuminant)?;
         let lights = scene_lights(&illuminant, &scenes)?;
+        let with_table = cameras.iter().zip(&labels).zip(&given).filter(|(_, table)| table.is_some());
+        for ((camera, label), _) in with_table {
+            if let Some(text) = other_wavelengths_note(camera, &lights) {
+                note(&format!("{label}: {text}"), common);
+            }
+        }
         if self.illuminant != DEFAULT_LIGHT && scenes.iter().all(TestScene::keeps_light) {
             note(
                 &format!(

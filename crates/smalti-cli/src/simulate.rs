@@ -45,7 +45,8 @@ pub(crate) struct Simulate {
     pub(crate) scene_options: SceneOptions,
     #[command(flatten)]
     pub(crate) camera_options: CameraOptions,
-    /// A learned table (smalti train) that renders the picture, instead of the camera's own processing
+    /// A learned table (smalti train) that renders the picture, instead of the camera's own processing. The scene is resampled to the
+    /// wavelengths of the camera, unless --wavelengths states others
     #[arg(long, value_name = "FILE.l3")]
     pub(crate) pipeline: Option<PathBuf>,
     /// Noise to simulate
@@ -93,6 +94,12 @@ pub(crate) fn run(args: &Simulate, common: &Common) -> anyhow::Result<()> {
     notes.iter().for_each(|note| progress.note(note));
     let pipeline = args.pipeline.as_ref().map(|file| l3::read_table(file)).transpose()?;
     let scene = resolve::scene_for(&args.scene, &args.scene_options, &camera, common)?;
+    let is_for_table = pipeline.is_some() && args.scene_options.wavelengths.is_none();
+    let scene = if is_for_table {
+        camera.resampled(scene).with_context(|| format!("{} (--pipeline)", args.scene))?
+    } else {
+        scene
+    };
     let field_of_view = match (args.scene_options.states_fov(&args.scene), resolve::is_file(&args.scene)) {
         (true, _) => FieldOfView::Stated,
         (false, true) => FieldOfView::FittedFile,

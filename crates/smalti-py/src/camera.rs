@@ -246,7 +246,8 @@ impl PyCamera {
     ///     noise: "all", "shot" (photon noise only) or "none".
     ///     seed: seed of the noise of this capture.
     ///     full_frame: read out all pixels, not only those that the scene covers.
-    ///     pipeline: a learned pipeline that renders the picture; default the camera's own processing.
+    ///     pipeline: a learned pipeline that renders the picture, of a scene at the wavelengths of the camera (`wavelengths_nm`); default the
+    ///         camera's own processing.
     #[pyo3(signature = (scene, *, noise="all", seed=1, full_frame=false, pipeline=None))]
     fn photograph(
         &self,
@@ -260,7 +261,12 @@ impl PyCamera {
         let pipeline = pipeline.map(|p| &p.0);
         let settings =
             SimulationSettings { noise: noise_mode(noise)?, seed, score: ScoreSettings::default() };
-        let (mut camera, scene) = self.before(scene)?;
+        let resampled = |scene: &PyScene| {
+            let scene_there = self.camera.resampled(scene.scene.clone()).or_raise()?;
+            Ok::<_, PyErr>(PyScene { scene: scene_there, ..scene.clone() })
+        };
+        let learned_at = pipeline.map(|_| resampled(scene)).transpose()?;
+        let (mut camera, scene) = self.before(learned_at.as_ref().unwrap_or(scene))?;
         let white = scene.white()?;
         watched(py, None, |watch| {
             if !full_frame {

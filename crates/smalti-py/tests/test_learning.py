@@ -88,6 +88,10 @@ def test_a_learned_pipeline_renders_a_photograph() -> None:
     np.testing.assert_array_equal(own.raw.samples, learned.raw.samples)
     scores, classic = learned.scores(), own.scores()
     assert scores is not None and classic is not None and scores["cpsnr_db"] > classic["cpsnr_db"]
+    # A scene at other wavelengths is on the scale of the pipeline.
+    wide = smalti.Scene("dead-leaves?rows=64&cols=96&largest=40", wavelengths_nm=np.arange(380.0, 781.0, 10.0))
+    there = camera.photograph(wide, noise="none", pipeline=pipeline)
+    assert there.reference().array.mean() == pytest.approx(learned.reference().array.mean(), rel=0.002)
     with pytest.raises(smalti.SmaltiError, match="the pipeline is for 2 × 2"):
         smalti.Camera("rgbw", set=SMALL).photograph(scene, pipeline=pipeline)
 

@@ -166,6 +166,38 @@ fn a_cropped_picture_is_aligned() {
     );
 }
 
+/// A learned picture has the scale of the wavelengths that its table was learned for. With those below 400 nm, the reference would be 6 % brighter.
+#[test]
+fn a_scene_at_other_wavelengths_is_scored_on_the_scale_of_the_table() {
+    let place = Place::new();
+    place.ok(&format!("train bayer {LEAVES} {SMALL} {EXPOSURES} -o t.l3"));
+    place.ok("convert dead-leaves?rows=96&cols=96&largest=60 --wavelengths 380:10:780 -o wide.h5");
+    place.ok("convert dead-leaves?rows=96&cols=96&largest=60 --wavelengths 420:10:700 -o narrow.h5");
+    let scores = |scene: &str| {
+        place.ok(&format!(
+            "simulate bayer --scene {scene} {SMALL} --noise none --luminance 40 --pipeline t.l3 -o s"
+        ));
+        place.json("s/metrics.json")["picture"]["cpsnr_db"].as_f64().unwrap()
+    };
+    let (own, wide) = (scores("dead-leaves?rows=96&cols=96&largest=60"), scores("wide.h5"));
+    assert!((own - wide).abs() < 0.1, "{own} and {wide} dB");
+    let run = place.run(&["simulate", "bayer", "--scene", "narrow.h5", "--pipeline", "t.l3", "-o", "n"]);
+    assert_eq!(run.code, 1);
+    assert!(run.err.contains("narrow.h5 (--pipeline)") && run.err.contains("420"), "{}", run.err);
+    // Scenes are shared by the cameras of a comparison.
+    let compare = |scene: &str| {
+        let words =
+            format!("compare bayer --pipeline t.l3 --scene {scene} --luminance 40 --seeds 1 {SMALL} -o c");
+        let run = place.run(&words.split(' ').collect::<Vec<_>>());
+        assert_eq!(run.code, 0, "{}", run.err);
+        run.err.contains(
+            "the table is for the wavelengths of the camera, 400:10:700 nm, and scenes have 380:10:780 nm",
+        )
+    };
+    assert!(compare("wide.h5"));
+    assert!(!compare("photo-brushes"));
+}
+
 #[test]
 fn other_targets_and_other_light() {
     let place = Place::new();

@@ -110,6 +110,15 @@ impl Camera {
         Ok(Self { sensor, has_other_cfa: self.has_other_cfa, ..fresh })
     }
 
+    /// The scene on the wavelengths of this camera, which those of its learned pipelines are. With others the brightest channel sees more or less of white, so that
+    /// the picture of a pipeline and the reference have different scales.
+    ///
+    /// # Errors
+    /// When the scene does not cover these wavelengths.
+    pub fn resampled(&self, scene: Scene) -> Result<Scene, CameraError> {
+        if scene.radiance().grid() == self.grid { Ok(scene) } else { Ok(scene.resampled(self.grid)?) }
+    }
+
     /// Horizontal field of view of `cols` pixels for a scene at a distance, degrees.
     ///
     /// # Errors

@@ -34,8 +34,7 @@ impl NamedScene {
         keeps_fov: bool,
     ) -> Result<Self, ExperimentError> {
         let fitted = || -> Result<Scene, CameraError> {
-            let same = scene.radiance().grid() == camera.grid();
-            let scene = if same { scene } else { scene.resampled(camera.grid())? };
+            let scene = camera.resampled(scene)?;
             if keeps_fov { Ok(scene) } else { camera.fitted(scene, is_file) }
         };
         Ok(Self { scene: fitted().in_context(|| name.clone())?, name })
