@@ -298,8 +298,12 @@ pub(crate) fn ensure_targets_show_something(
     Ok(())
 }
 
+fn is_wholly_saturated(raw: &RawImage) -> bool {
+    raw.saturated_percent() >= WHOLLY_SATURATED_PERCENT
+}
+
 fn ensure_not_wholly_saturated(raw: &RawImage) -> Result<(), CameraError> {
-    if raw.saturated_percent() >= WHOLLY_SATURATED_PERCENT {
+    if is_wholly_saturated(raw) {
         let reason = "all samples are saturated";
         return Err(MetricError::Undefined { quantity: "the picture", reason }.into());
     }
@@ -313,6 +317,8 @@ struct TargetCapture<'a, 'i> {
     exposure: Exposure,
     isp: Box<dyn Isp + 'i>,
     clean: Image,
+    /// Whether not all of it saturates.
+    shows_something: bool,
 }
 
 impl TargetCapture<'_, '_> {
@@ -332,12 +338,14 @@ impl TargetCapture<'_, '_> {
         Ok(GreyNoise::mean(&GreyNoise::of_captures(&captures, light)?))
     }
 
-    /// The MTF50 of the edge of low contrast; not a number when the picture shows none, as where it saturates.
+    /// The MTF50 of the edge of low contrast; not a number when the picture shows none, as where it saturates: rounding may then look like an edge of any angle.
     fn mtf50_or_none(&self) -> Result<EdgeMtf50, CameraError> {
+        let none = EdgeMtf50 { cy_per_px: f64::NAN, reliability: Mtf50Reliability::NoEdge };
+        if !self.shows_something {
+            return Ok(none);
+        }
         match edge_mtf50(self.clean.planes(), LUMINANCE, EDGE_REGION) {
-            Err(CameraError::Metric(MetricError::NoEdge(_) | MetricError::LowContrast { .. })) => {
-                Ok(EdgeMtf50 { cy_per_px: f64::NAN, reliability: Mtf50Reliability::NoEdge })
-            }
+            Err(CameraError::Metric(MetricError::NoEdge(_) | MetricError::LowContrast { .. })) => Ok(none),
             found => found.map_err(|e| self.explained(e, LOW_CONTRAST_EDGE)),
         }
     }
@@ -363,8 +371,9 @@ impl Target {
         let isp = isp(&light)?;
         let exposure = camera.exposure_or(time_s, &image)?;
         // Without converter, because quantisation errors are only negligible together with noise (dithering).
-        let clean = isp.render(&camera.sensor.capture_ideal(&image, &exposure)?)?;
-        Ok(TargetCapture { camera, image, exposure, isp, clean })
+        let raw = camera.sensor.capture_ideal(&image, &exposure)?;
+        let (shows_something, clean) = (!is_wholly_saturated(&raw), isp.render(&raw)?);
+        Ok(TargetCapture { camera, image, exposure, isp, clean, shows_something })
     }
 }
 

@@ -3,15 +3,17 @@
 
 use smalti::camera::description::{ArchitectureName, PatternDescription};
 use smalti::camera::{
-    Camera, CameraAndIsp, CameraDescription, EvaluationSettings, GainInterval, LightGain, LightGainSettings,
-    ScoreSettings, Setup, TestScene, compare_on, evaluate, evaluate_with, light_gains, score_picture,
-    test_scenes,
+    Camera, CameraAndIsp, CameraDescription, EvaluationSettings, ExposureTimes, GainInterval, LightGain,
+    LightGainSettings, ScoreSettings, Setup, TestScene, compare_on, evaluate, evaluate_with, light_gains,
+    score_picture, test_scenes,
 };
-use smalti::isp::{Isp, WhiteBalance};
+use smalti::color::Image;
+use smalti::isp::{Isp, IspError, WhiteBalance};
+use smalti::metrics::esfr::Mtf50Reliability;
 use smalti::numeric::Planes;
 use smalti::optics::Falloff;
 use smalti::scene::{Setting, uniform};
-use smalti::sensor::{Channel, Filter, NoiseMode};
+use smalti::sensor::{Channel, Filter, NoiseMode, RawImage};
 use smalti::spectrum::{Observer, Spectrum, WavelengthGrid};
 
 const GRID: WavelengthGrid = WavelengthGrid::VISIBLE;
@@ -228,6 +230,46 @@ fn evaluating_with_the_classic_pipeline_is_evaluating() {
         dim.visual_snr.median,
         own.visual_snr.median
     );
+}
+
+/// Renders a slanted edge where the raw image has saturated wholly, as rounding may, and otherwise what another processing does.
+struct EdgeFromNothing<I>(I);
+
+impl<I: Isp> Isp for EdgeFromNothing<I> {
+    fn render(&self, raw: &RawImage) -> Result<Image, IspError> {
+        let mut picture = self.0.render(raw)?;
+        if raw.saturated_percent() > 99.5 {
+            let (rows, cols) = (picture.rows(), picture.cols());
+            let is_right = |i: usize| {
+                (i % cols) as f64 > 0.5 * cols as f64 + 0.2 * ((i / cols) as f64 - 0.5 * rows as f64)
+            };
+            let edge = |i: usize| if is_right(i) { 1.0 } else { 0.3 };
+            let values = (0..3).flat_map(|_| (0..rows * cols).map(edge)).collect();
+            picture = Image::new(picture.space(), Planes::new(rows, cols, 3, values)?)?;
+        }
+        Ok(picture)
+    }
+}
+
+/// A target that saturates wholly shows no edge, whatever processing makes of it.
+#[test]
+fn a_wholly_saturated_edge_is_no_edge() {
+    let camera = camera(|_| {});
+    let isp = |light: &Spectrum| {
+        let isp = camera.isp(light, WhiteBalance::None)?;
+        Ok(Box::new(EdgeFromNothing(isp)) as Box<dyn Isp>)
+    };
+    let low_contrast = |edge_s: f64| {
+        let exposure = Some(ExposureTimes { macbeth_s: 0.1, edge_s, zone_plate_s: 0.1 });
+        let settings =
+            EvaluationSettings { luminance_cd_m2: 80.0, exposure, ..EvaluationSettings::default() };
+        let (found, _) = evaluate_with(&camera, &settings, &|_, make| make(), &isp).unwrap();
+        (found.mtf50_low_contrast_cy_per_px, found.mtf50_low_contrast_reliability)
+    };
+    let (shown, reliability) = low_contrast(0.1);
+    assert!(shown > 0.1 && reliability == Mtf50Reliability::Reliable, "{shown} {reliability:?}");
+    let (saturated, reliability) = low_contrast(30.0);
+    assert!(saturated.is_nan() && reliability == Mtf50Reliability::NoEdge, "{saturated} {reliability:?}");
 }
 
 /// The light gains of one scene with two seeds. Each interval has the gain in it.
