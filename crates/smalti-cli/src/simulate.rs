@@ -94,6 +94,7 @@ pub(crate) fn run(args: &Simulate, common: &Common) -> anyhow::Result<()> {
     notes.iter().for_each(|note| progress.note(note));
     let pipeline = args.pipeline.as_ref().map(|file| l3::read_table(file)).transpose()?;
     let scene = resolve::scene_for(&args.scene, &args.scene_options, &camera, common)?;
+    // At the wavelengths for which the table was learned.
     let is_for_table = pipeline.is_some() && args.scene_options.wavelengths.is_none();
     let scene = if is_for_table {
         camera.resampled(scene).with_context(|| format!("{} (--pipeline)", args.scene))?

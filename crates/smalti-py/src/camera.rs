@@ -261,12 +261,14 @@ impl PyCamera {
         let pipeline = pipeline.map(|p| &p.0);
         let settings =
             SimulationSettings { noise: noise_mode(noise)?, seed, score: ScoreSettings::default() };
-        let resampled = |scene: &PyScene| {
-            let scene_there = self.camera.resampled(scene.scene.clone()).or_raise()?;
-            Ok::<_, PyErr>(PyScene { scene: scene_there, ..scene.clone() })
+        // At the wavelengths for which the pipeline was learned.
+        let is_elsewhere = pipeline.is_some() && scene.scene.radiance().grid() != self.camera.grid();
+        let (mut camera, scene) = if is_elsewhere {
+            let resampled = self.camera.resampled(scene.scene.clone()).or_raise()?;
+            self.before(&PyScene { scene: resampled, ..scene.clone() })?
+        } else {
+            self.before(scene)?
         };
-        let learned_at = pipeline.map(|_| resampled(scene)).transpose()?;
-        let (mut camera, scene) = self.before(learned_at.as_ref().unwrap_or(scene))?;
         let white = scene.white()?;
         watched(py, None, |watch| {
             if !full_frame {

@@ -110,8 +110,8 @@ impl Camera {
         Ok(Self { sensor, has_other_cfa: self.has_other_cfa, ..fresh })
     }
 
-    /// The scene on the wavelengths of this camera, which those of its learned pipelines are. With others the brightest channel sees more or less of white, so that
-    /// the picture of a pipeline and the reference have different scales.
+    /// The scene on the wavelengths of this camera, for which its pipelines are learned. At others, the brightest channel responds more or less to white, so that
+    /// the picture of a pipeline and the reference differ in scale.
     ///
     /// # Errors
     /// When the scene does not cover these wavelengths.

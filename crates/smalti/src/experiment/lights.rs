@@ -49,8 +49,8 @@ pub fn scene_lights(
     Ok(lights)
 }
 
-/// What is to be told of scenes whose wavelengths are not those of a camera, with a pipeline that was not learned for them: `None` where there are none. The name of the camera
-/// is not in it. See [`Camera::resampled`].
+/// What is to be told of scenes at other wavelengths than those of a camera whose pipeline was given, in words; see [`Camera::resampled`]. `None` without such scenes. The name of
+/// the camera is not in it.
 #[must_use]
 pub fn other_wavelengths_note(camera: &Camera, lights: &[SceneLight]) -> Option<String> {
     let own = camera.grid();
