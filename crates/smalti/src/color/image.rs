@@ -158,3 +158,16 @@ impl Image {
         self.planes
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_value_that_is_not_finite_is_named_by_its_place() {
+        let mut planes = Planes::zeros(3, 4, 3);
+        planes.data_mut()[2 * 12 + 4 + 2] = f32::INFINITY;
+        let found = Image::new(ColorSpace::Xyz, planes).unwrap().check_finite();
+        assert!(matches!(found, Err(ImageError::Value { plane: 2, row: 1, col: 2, .. })), "{found:?}");
+    }
+}

@@ -73,6 +73,19 @@ mod tests {
         assert_eq!(snr(0.0, 20.0), f64::INFINITY);
     }
 
+    /// Where every pixel subtends a degree, the eye blurs little, and visual SNR is the reciprocal of the standard deviation of L*.
+    #[test]
+    fn without_blur_it_is_the_reciprocal_of_the_deviation() {
+        let region = Rect { row: 4, col: 4, rows: 72, cols: 72 };
+        let picture = grey(2.0);
+        let lightness = |y: f64| 116.0 * (y / 100.0).cbrt() - 16.0;
+        let y: Vec<f64> = region.values(picture.channels()[1], 80).collect();
+        let mean = lightness(y.iter().sum::<f64>() / y.len() as f64);
+        let variance = y.iter().map(|&y| (lightness(y) - mean).powi(2)).sum::<f64>() / (y.len() - 1) as f64;
+        let snr = visual_snr(&picture, region, WHITE, 1.0).unwrap();
+        assert!((0.8..1.25).contains(&(snr * variance.sqrt())), "{snr} {variance}");
+    }
+
     #[test]
     fn resolution_of_a_display() {
         // ISETCam's default display: 41 samples per degree at 120 dots per inch and half a metre.

@@ -219,3 +219,22 @@ impl RawImage {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn channels_are_reordered_only_to_names_of_as_many() {
+        let names = |all: &str| all.chars().map(String::from).collect::<Vec<_>>();
+        let mosaic = Mosaic::new(2, 2, vec![0, 1, 1, 2]).unwrap();
+        let samples = RawSamples::Analog(vec![0.1, 0.2, 0.3, 0.4]);
+        let raw = RawImage::new(2, 2, samples, Sampling::Mosaic(mosaic), names("RGB"), 0.0, 1.0).unwrap();
+        let reordered = raw.clone().with_channels(&names("BGR"));
+        assert_eq!(reordered.channel_names, names("BGR"));
+        assert!(matches!(&reordered.sampling, Sampling::Mosaic(m) if m.cells() == [2, 1, 1, 0]));
+        for others in ["RGBW", "RGW", "RG"] {
+            assert_eq!(raw.clone().with_channels(&names(others)), raw, "{others}");
+        }
+    }
+}

@@ -37,6 +37,8 @@ fn rules_that_conflict_are_named() {
     let (name, message) = key(two.all(3).map(drop));
     assert!(name == "rules.least_distance_px" && message.contains("no layout of 3 filters"), "{message}");
     assert_eq!(key(rules(0.0, &["ab"]).of_tile(tile(2, 2)).map(drop)).0, "rules.kept");
+    // As many other filters as other cells.
+    assert!(rules(0.0, &["ab", ".."]).of_tile(tile(2, 2)).unwrap().all(4).is_ok());
     let full = rules(0.0, &["ab", "ab"]).of_tile(tile(2, 2)).unwrap();
     assert_eq!(key(full.all(3).map(drop)).0, "colors");
     let mut unused = rules(0.0, &["a.", ".."]);
