@@ -94,12 +94,12 @@ pub(crate) fn run(args: &Simulate, common: &Common) -> anyhow::Result<()> {
     notes.iter().for_each(|note| progress.note(note));
     let pipeline = args.pipeline.as_ref().map(|file| l3::read_table(file)).transpose()?;
     let scene = resolve::scene_for(&args.scene, &args.scene_options, &camera, common)?;
-    // At the wavelengths for which the table was learned.
-    let is_for_table = pipeline.is_some() && args.scene_options.wavelengths.is_none();
-    let scene = if is_for_table {
-        camera.resampled(scene).with_context(|| format!("{} (--pipeline)", args.scene))?
-    } else {
-        scene
+    // A table is for the wavelengths of the camera. At others, the brightest channel responds more or less to white, so that picture and reference differ in scale.
+    let scene = match (&pipeline, &args.scene_options.wavelengths) {
+        (Some(_), None) => {
+            scene.resampled(camera.grid()).with_context(|| format!("{} (--pipeline)", args.scene))?
+        }
+        _ => scene,
     };
     let field_of_view = match (args.scene_options.states_fov(&args.scene), resolve::is_file(&args.scene)) {
         (true, _) => FieldOfView::Stated,

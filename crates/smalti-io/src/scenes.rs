@@ -33,7 +33,7 @@ impl SceneRequest {
     /// # Errors
     /// When the scene cannot be so: it is dark, has no light at a wavelength, or a number is out of range.
     pub fn applied_to(&self, mut scene: Scene) -> Result<Scene, SceneError> {
-        if let Some(grid) = self.grid.filter(|grid| *grid != scene.radiance().grid()) {
+        if let Some(grid) = self.grid {
             scene = scene.resampled(grid)?;
         }
         if let Some(light) = &self.illuminant {

@@ -156,7 +156,7 @@ impl PyCamera {
 
     /// The irradiance of a scene on the sensor. Scenes whose field of view was not stated are `fitted`.
     fn optical_image(&self, py: Python<'_>, scene: &PyScene) -> PyResult<PyOpticalImage> {
-        let (camera, scene) = self.before(scene)?;
+        let (camera, scene) = self.before(scene, false)?;
         watched(py, None, |_| Ok(PyOpticalImage(camera.optics.image(&scene.scene).or_raise()?)))
     }
 
@@ -261,14 +261,7 @@ impl PyCamera {
         let pipeline = pipeline.map(|p| &p.0);
         let settings =
             SimulationSettings { noise: noise_mode(noise)?, seed, score: ScoreSettings::default() };
-        // At the wavelengths for which the pipeline was learned.
-        let is_elsewhere = pipeline.is_some() && scene.scene.radiance().grid() != self.camera.grid();
-        let (mut camera, scene) = if is_elsewhere {
-            let resampled = self.camera.resampled(scene.scene.clone()).or_raise()?;
-            self.before(&PyScene { scene: resampled, ..scene.clone() })?
-        } else {
-            self.before(scene)?
-        };
+        let (mut camera, scene) = self.before(scene, pipeline.is_some())?;
         let white = scene.white()?;
         watched(py, None, |watch| {
             if !full_frame {
@@ -325,9 +318,12 @@ impl PyCamera {
         Ok(Self { camera: loaded.camera, notes: loaded.notes })
     }
 
-    /// Camera and scene on one wavelength grid, with the scene fitted to the sensor.
-    fn before(&self, scene: &PyScene) -> PyResult<(Camera, PyScene)> {
-        let scene = if scene.fov_stated { scene.clone() } else { self.fitted(scene)? };
+    /// Camera and scene on one wavelength grid, with the scene fitted to the sensor: that of the scene, or that of the camera if the picture `is_learned`, since its pipeline is.
+    fn before(&self, scene: &PyScene, is_learned: bool) -> PyResult<(Camera, PyScene)> {
+        let mut scene = if scene.fov_stated { scene.clone() } else { self.fitted(scene)? };
+        if is_learned {
+            scene.scene = scene.scene.resampled(self.camera.grid()).or_raise()?;
+        }
         Ok((self.camera.on_grid(scene.scene.radiance().grid()).or_raise()?, scene))
     }
 

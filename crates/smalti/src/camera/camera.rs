@@ -110,15 +110,6 @@ impl Camera {
         Ok(Self { sensor, has_other_cfa: self.has_other_cfa, ..fresh })
     }
 
-    /// The scene on the wavelengths of this camera, for which its pipelines are learned. At others, the brightest channel responds more or less to white, so that
-    /// the picture of a pipeline and the reference differ in scale.
-    ///
-    /// # Errors
-    /// When the scene does not cover these wavelengths.
-    pub fn resampled(&self, scene: Scene) -> Result<Scene, CameraError> {
-        if scene.radiance().grid() == self.grid { Ok(scene) } else { Ok(scene.resampled(self.grid)?) }
-    }
-
     /// Horizontal field of view of `cols` pixels for a scene at a distance, degrees.
     ///
     /// # Errors

@@ -1,5 +1,6 @@
 //! What is to be told of the light that cameras see, in words.
 
+use super::SceneLight;
 use crate::camera::{
     Camera, CameraError, DarkChannel, NOTABLE_INFRARED_SHARE, NOTABLE_UNSHARED_SHARE, TestScene,
     UnsharedLight,
@@ -97,4 +98,16 @@ pub fn without_infrared(
             names.join(", "),
         )
     }))
+}
+
+/// What is to be told of scenes at other wavelengths than those of a camera whose pipeline was given, in words; `None` without such scenes. The name of
+/// the camera is not in it.
+#[must_use]
+pub fn other_wavelengths_note(camera: &Camera, lights: &[SceneLight]) -> Option<String> {
+    let own = camera.grid();
+    let other = lights.iter().filter_map(|light| light.grid).find(|grid| *grid != own)?;
+    Some(format!(
+        "the table is for the wavelengths of the camera, {own}, and scenes have {other}. Pictures of these and their references differ in scale, which all scores include. \
+         'smalti convert --wavelengths' gives a scene file other wavelengths"
+    ))
 }

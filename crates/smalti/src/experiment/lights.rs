@@ -49,18 +49,6 @@ pub fn scene_lights(
     Ok(lights)
 }
 
-/// What is to be told of scenes at other wavelengths than those of a camera whose pipeline was given, in words; see [`Camera::resampled`]. `None` without such scenes. The name of
-/// the camera is not in it.
-#[must_use]
-pub fn other_wavelengths_note(camera: &Camera, lights: &[SceneLight]) -> Option<String> {
-    let own = camera.grid();
-    let other = lights.iter().filter_map(|light| light.grid).find(|grid| *grid != own)?;
-    Some(format!(
-        "the table is for the wavelengths of the camera, {own}, and scenes have {other}. Pictures of these and their references differ in scale, which all scores include. \
-         'smalti convert --wavelengths' gives a scene file other wavelengths"
-    ))
-}
-
 /// Checks that cameras measure colour under all lights of a comparison, before any work for it.
 ///
 /// # Errors

@@ -34,7 +34,7 @@ impl NamedScene {
         keeps_fov: bool,
     ) -> Result<Self, ExperimentError> {
         let fitted = || -> Result<Scene, CameraError> {
-            let scene = camera.resampled(scene)?;
+            let scene = scene.resampled(camera.grid())?;
             if keeps_fov { Ok(scene) } else { camera.fitted(scene, is_file) }
         };
         Ok(Self { scene: fitted().in_context(|| name.clone())?, name })

@@ -58,11 +58,9 @@ pub use learning::{
     Gathered, Learned, TrainingPair, TrainingRecord, TrainingSources, gather, learn, refine, solve,
 };
 pub use light_gain::{PairwiseLightGain, light_gain_between, light_gains_to_first};
-pub use light_notes::{light_notes, without_infrared};
+pub use light_notes::{light_notes, other_wavelengths_note, without_infrared};
 pub use light_statistics::{light_gatherer, light_statistics};
-pub use lights::{
-    LitPipeline, PipelineSet, SceneLight, ensure_lights_suffice, other_wavelengths_note, scene_lights,
-};
+pub use lights::{LitPipeline, PipelineSet, SceneLight, ensure_lights_suffice, scene_lights};
 pub use material::NamedScene;
 pub use outcome::Outcome;
 pub use pairs::{PairAlignment, RawAndPicture};

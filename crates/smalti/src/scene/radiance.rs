@@ -155,13 +155,16 @@ impl Scene {
         Ok(factors)
     }
 
-    /// The scene on another wavelength grid; radiance and illuminant are interpolated linearly.
+    /// The scene on a wavelength grid, unchanged if that is its own; radiance and illuminant are interpolated linearly.
     ///
     /// # Errors
     /// When the new grid extends beyond the old one.
     pub fn resampled(self, grid: WavelengthGrid) -> Result<Self, SceneError> {
-        let illuminant = self.illuminant.resampled(grid, Extrapolation::Error)?;
         let own = self.radiance.grid();
+        if grid == own {
+            return Ok(self);
+        }
+        let illuminant = self.illuminant.resampled(grid, Extrapolation::Error)?;
         let (rows, cols) = (self.radiance.rows(), self.radiance.cols());
         let planes: Vec<&[f32]> = self.radiance.planes().planes().collect();
         let mut out = Vec::with_capacity(rows * cols * grid.len());
