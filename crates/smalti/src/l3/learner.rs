@@ -49,7 +49,9 @@ impl<'a> SecondStage<'a> {
     /// # Errors
     /// When nothing was learned, the moments of a class have no solution, or the outputs of the pipeline are not X, Y, Z.
     pub fn solve(&self) -> Result<Pipeline, L3Error> {
-        self.pipeline.clone().with_refinement(Some(self.statistics.solve()?))
+        let mosaic = self.pipeline.axes().mosaic();
+        let second = self.statistics.solve([mosaic.rows(), mosaic.cols()])?;
+        self.pipeline.clone().with_refinement(Some(second))
     }
 }
 

@@ -137,6 +137,24 @@ impl RefinementAxes {
         structure.checked_sub(1).map(|i| [i / self.kinds(), i % self.kinds()])
     }
 
+    /// The level of a class, and its strength of structure from 1 on; 0 where it is flat.
+    pub(super) fn level_and_strength(&self, class: u32) -> (usize, usize) {
+        let (level, structure) = (class as usize / self.structures(), class as usize % self.structures());
+        (level, self.strength_and_kind(structure).map_or(0, |[strength, _]| 1 + strength))
+    }
+
+    /// Y in the middle of a level, whose ends are open at the first and the last one: half of the least cut, and the greatest. Half of white where there
+    /// is one level.
+    pub(super) fn brightness(&self, level: usize) -> f32 {
+        let cuts = self.levels.cuts();
+        match (level.checked_sub(1).and_then(|i| cuts.get(i)), cuts.get(level)) {
+            (Some(from), Some(to)) => (from * to).sqrt(),
+            (Some(from), None) => *from,
+            (None, Some(to)) => 0.5 * to,
+            (None, None) => 0.5,
+        }
+    }
+
     /// Steps of level or strength, whichever are more, between two classes of the same texture or orientation. `None` for other classes.
     pub(super) fn steps_between(&self, a: u32, b: u32) -> Option<usize> {
         let structures = self.structures();

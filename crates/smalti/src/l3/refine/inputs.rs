@@ -18,12 +18,26 @@ pub(super) const ROOTS_OF: usize = 2;
 /// Neighbourhoods: the plane, and the side.
 pub(super) const NEIGHBOURHOODS: [(usize, usize); 3] = [(1, SIDE_Y), (0, SIDE_XZ), (2, SIDE_XZ)];
 
+/// The first input of a smooth picture: X, Y, Z of the finest.
+pub(super) const FIRST_SMOOTH: usize = LINEAR - 3 * SCALES;
+
 /// The input that is the pixel itself in X, Y, Z.
 pub(super) const OWN: [usize; OUTPUTS] = [
     SIDE_Y * SIDE_Y + SIDE_XZ * SIDE_XZ / 2,
     SIDE_Y * SIDE_Y / 2,
     SIDE_Y * SIDE_Y + SIDE_XZ * SIDE_XZ + SIDE_XZ * SIDE_XZ / 2,
 ];
+
+/// The plane of a linear input: 0, 1 and 2 for X, Y and Z.
+pub(super) fn plane_of(input: usize) -> usize {
+    if let Some(smooth) = input.checked_sub(FIRST_SMOOTH) {
+        return smooth % OUTPUTS;
+    }
+    match input.checked_sub(SIDE_Y * SIDE_Y) {
+        None => 1,
+        Some(i) => 2 * (i / (SIDE_XZ * SIDE_XZ)),
+    }
+}
 
 /// The lines from which the inputs of a row are read.
 pub(super) struct Lines<'a> {

@@ -10,6 +10,7 @@
 //! 2. [`classes`] classifies every pixel by brightness and by the structure tensor of the first of these pictures, relative to the noise.
 //! 3. The output is linear in the pixel's neighbourhood in the picture, in the five smooth colours and in roots of products of the channels of
 //!    one of them, which correct what is not linear in colour ([`inputs`], [`roots`], [`products`]). The kernels of each class minimise the squared error over the training pictures, in closed form from streamed moments ([`RefinementStatistics`]).
+//!    In uniform areas they pass on no pattern with the period of the mosaic's tile ([`tile_pattern`]).
 //!
 //! [dammertz2010]: https://doi.org/10.2312/EGGH/HPG10/067-075
 
@@ -27,6 +28,7 @@ mod stages;
 mod statistics;
 #[cfg(test)]
 mod tests;
+mod tile_pattern;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 

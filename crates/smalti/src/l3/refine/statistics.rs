@@ -12,12 +12,13 @@ use super::classes::{Scratch, classify};
 use super::inputs::{COUNT, LINEAR, Lines, OUTPUTS, OWN};
 use super::refinement::{Refinement, RefinementClass};
 use super::stages::Stages;
+use super::tile_pattern::TilePattern;
 use crate::numeric::Planes;
 use crate::numeric::products::{LANES, add_products};
 use crate::numeric::simd::{Kernel, dispatch};
 
 /// Raised when learning the second stage gives other kernels for equal pictures: stages that were kept under another revision are not used.
-pub const REFINEMENT_REVISION: u32 = 4;
+pub const REFINEMENT_REVISION: u32 = 5;
 
 /// Length of z = (1, inputs, targets), in whole registers.
 const STRIDE: usize = (1 + COUNT + OUTPUTS).next_multiple_of(LANES);
@@ -128,17 +129,18 @@ impl RefinementStatistics {
 
     /// Solves the kernels of every class. A class with too few pixels shares those of its neighbours: the same texture or orientation at
     /// levels and strengths up to one step away, two steps, and so on, until they suffice. If they never do, its kernels leave the picture
-    /// as it is.
+    /// as it is. `tile` is that of the mosaic, rows and columns: in uniform areas, the kernels pass on no pattern of this period.
     ///
     /// # Errors
     /// When there is no picture, or the moments of a class have no solution.
-    pub fn solve(&self) -> Result<Refinement, L3Error> {
+    pub fn solve(&self, tile: [usize; 2]) -> Result<Refinement, L3Error> {
+        let pattern = TilePattern::new(&self.axes, tile);
         let least = PIXELS_PER_INPUT * COUNT as u64;
         let solve = |class: u32| {
             let count = self.classes.get(&class).map_or(0, Moments::count);
             let solution = match self.pooled(class, least) {
                 Some(moments) => {
-                    let solution = regularised(&moments, COUNT, OUTPUTS, load);
+                    let solution = regularised(&moments, COUNT, OUTPUTS, load, pattern.of_class(class));
                     solution.ok_or(L3Error::Singular(class as usize))?
                 }
                 None => identity(),

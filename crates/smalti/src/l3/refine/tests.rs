@@ -1,4 +1,5 @@
 mod products;
+mod tile_pattern;
 
 use super::classes::{Scratch, classify};
 use super::stages::{FINE, Stages};
@@ -84,7 +85,7 @@ fn smoothing_removes_noise_and_keeps_edges() {
 
 #[test]
 fn a_uniform_picture_is_one_class_and_stays_uniform() {
-    let refinement = learned(1..7).solve().unwrap();
+    let refinement = learned(1..7).solve([1, 1]).unwrap();
     for value in [0.0, 0.01, 0.1, 0.5, 1.2] {
         let mut picture = planes(40, 50, |p, _, _| value * (0.9 + 0.1 * p as f32));
         refinement.apply(&mut picture).unwrap();
@@ -127,7 +128,7 @@ fn edges_are_told_by_orientation_and_strength() {
 
 #[test]
 fn a_learned_stage_reduces_the_error_of_unseen_pictures() {
-    let refinement = learned(1..9).solve().unwrap();
+    let refinement = learned(1..9).solve([1, 1]).unwrap();
     let target = tiles(120, 130, 24, 100);
     let picture = noisy(&target, 101);
     let mut refined = picture.clone();
@@ -139,7 +140,7 @@ fn a_learned_stage_reduces_the_error_of_unseen_pictures() {
 #[test]
 fn any_number_of_threads_and_any_instruction_set_give_the_same_bits() {
     let statistics = learned(1..4);
-    let refinement = statistics.solve().unwrap();
+    let refinement = statistics.solve([1, 1]).unwrap();
     let picture = noisy(&tiles(70, 83, 9, 3), 4);
     let render = || {
         let mut refined = picture.clone();
@@ -164,7 +165,7 @@ fn parts_merge_to_the_whole() {
     let (mut parts, whole) = (learned(1..3), learned(1..5));
     parts.merge(&learned(3..5)).unwrap();
     assert_eq!(parts.count(), whole.count());
-    let (a, b) = (parts.solve().unwrap(), whole.solve().unwrap());
+    let (a, b) = (parts.solve([1, 1]).unwrap(), whole.solve([1, 1]).unwrap());
     let far = a.weights().zip(b.weights()).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
     assert!(far < 1e-4, "{far}");
     let other = RefinementAxes::new(Levels::logarithmic(5, 0.02, 0.8).unwrap(), axes().noise()).unwrap();
@@ -177,7 +178,7 @@ fn without_enough_pixels_a_picture_stays_as_it_is() {
     let mut statistics = RefinementStatistics::new(axes());
     let target = tiles(12, 12, 4, 1);
     statistics.add(&noisy(&target, 1), &target, 1).unwrap();
-    let refinement = statistics.solve().unwrap();
+    let refinement = statistics.solve([1, 1]).unwrap();
     assert!(refinement.classes().iter().all(|c| !c.is_learned));
     let mut picture = noisy(&target, 2);
     refinement.apply(&mut picture).unwrap();
@@ -200,7 +201,7 @@ fn what_cannot_be_refined_is_refused() {
         other => panic!("{other:?}"),
     }
     assert_eq!(statistics.count(), 0);
-    assert_eq!(statistics.solve().unwrap().apply(&mut two.clone()), Err(L3Error::NotAPicture(2)));
+    assert_eq!(statistics.solve([1, 1]).unwrap().apply(&mut two.clone()), Err(L3Error::NotAPicture(2)));
     for noise in [[0.0, 1e-4, 0.0], [1e-4, -1.0, 0.0], [1e-4, 0.0, f32::NAN]] {
         assert!(RefinementAxes::new(axes().levels().clone(), noise).is_err(), "{noise:?}");
     }
@@ -210,7 +211,7 @@ fn what_cannot_be_refined_is_refused() {
 /// A picture of two strips has the same bits as a part across their border, which is one strip.
 #[test]
 fn strips_have_no_seams() {
-    let refinement = learned(1..4).solve().unwrap();
+    let refinement = learned(1..4).solve([1, 1]).unwrap();
     let (rows, cols) = (1060, 1000);
     let picture = noisy(&tiles(rows, cols, 31, 8), 9);
     let part = |planes: &Planes, from: std::ops::Range<usize>| {
@@ -234,7 +235,7 @@ fn a_picture_may_count_several_times() {
     (0..3).for_each(|_| thrice.add(&picture, &target, 1).unwrap());
     assert_eq!(once.count(), 3 * 90 * 80);
     assert_eq!(once.count(), thrice.count());
-    let (once, thrice) = (once.solve().unwrap(), thrice.solve().unwrap());
+    let (once, thrice) = (once.solve([1, 1]).unwrap(), thrice.solve([1, 1]).unwrap());
     let far = once.weights().zip(thrice.weights()).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
     assert!(far < 1e-4, "{far}");
 }
@@ -242,7 +243,7 @@ fn a_picture_may_count_several_times() {
 /// The second stage in integers gives the picture that single precision gives, to 75 dB of its peak, and is as near to the target.
 #[test]
 fn integers_refine_as_single_precision_does() {
-    let refinement = learned(1..9).solve().unwrap();
+    let refinement = learned(1..9).solve([1, 1]).unwrap();
     let fixed = refinement.fixed().unwrap();
     for (light, seed) in [(1.0, 100), (0.1, 102)] {
         let scaled = |planes: Planes| {
@@ -265,7 +266,7 @@ fn integers_refine_as_single_precision_does() {
 /// Whatever a picture holds, no number overflows (the profile of tests checks), and what is uniform stays so. Values saturate at 8 times white.
 #[test]
 fn integers_saturate_and_do_not_overflow() {
-    let fixed = learned(1..4).solve().unwrap().fixed().unwrap();
+    let fixed = learned(1..4).solve([1, 1]).unwrap().fixed().unwrap();
     let (rows, cols) = (37, 41);
     let mut random = Stream::new(5, 5, 5);
     let extreme = |random: &mut Stream| match random.next_u32() % 4 {
@@ -381,7 +382,7 @@ fn colours_are_corrected_beyond_a_matrix() {
         let target = tiles(160, 170, 24, seed);
         statistics.add(&bent(&target), &target, 1).unwrap();
     }
-    let refinement = statistics.solve().unwrap();
+    let refinement = statistics.solve([1, 1]).unwrap();
     let target = tiles(96, 96, 24, 99);
     let mut picture = bent(&target);
     let before = mean_square(&picture, &target);

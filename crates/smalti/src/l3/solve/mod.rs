@@ -288,17 +288,19 @@ impl Normal {
 }
 
 /// The kernels of least squared error over the patches of a class, with `load(i)` times the mean variance of the samples added to that
-/// of sample i. `None` when there is no solution.
+/// of sample i, and a covariance (taps × taps) to that of all; none if it is empty. `None` when there is no solution.
 pub(super) fn regularised(
     moments: &Moments,
     taps: usize,
     outputs: usize,
     load: impl Fn(usize) -> f64,
+    covariance: &[f64],
 ) -> Option<Solution> {
     let normal = Normal::new(moments, taps, outputs, KernelForm::Affine);
     let mut gram = normal.gram.clone();
     let mean = (0..taps).map(|i| gram[i * taps + i]).sum::<f64>() / taps.max(1) as f64;
     (0..taps).for_each(|i| gram[i * taps + i] += load(i) * mean);
+    gram.iter_mut().zip(covariance).for_each(|(g, c)| *g += c);
     let mut weights = normal.cross.clone();
     System::of(gram, taps, normal.cut)?.solve_rows(&mut weights);
     weights.iter().all(|w| w.is_finite()).then(|| normal.solution(weights))
