@@ -19,7 +19,7 @@ pub(super) const ROOTS_OF: usize = 2;
 pub(super) const NEIGHBOURHOODS: [(usize, usize); 3] = [(1, SIDE_Y), (0, SIDE_XZ), (2, SIDE_XZ)];
 
 /// The first input of a smooth picture: X, Y, Z of the finest.
-pub(super) const FIRST_SMOOTH: usize = LINEAR - 3 * SCALES;
+pub(super) const SMOOTH: usize = LINEAR - 3 * SCALES;
 
 /// The input that is the pixel itself in X, Y, Z.
 pub(super) const OWN: [usize; OUTPUTS] = [
@@ -30,13 +30,14 @@ pub(super) const OWN: [usize; OUTPUTS] = [
 
 /// The plane of a linear input: 0, 1 and 2 for X, Y and Z.
 pub(super) fn plane_of(input: usize) -> usize {
-    if let Some(smooth) = input.checked_sub(FIRST_SMOOTH) {
-        return smooth % OUTPUTS;
+    let mut after = input;
+    for (plane, side) in NEIGHBOURHOODS {
+        match after.checked_sub(side * side) {
+            None => return plane,
+            Some(rest) => after = rest,
+        }
     }
-    match input.checked_sub(SIDE_Y * SIDE_Y) {
-        None => 1,
-        Some(i) => 2 * (i / (SIDE_XZ * SIDE_XZ)),
-    }
+    after % OUTPUTS
 }
 
 /// The lines from which the inputs of a row are read.

@@ -2,7 +2,7 @@
 
 use super::super::blocks::LANES;
 use super::super::vectors::{PIXELS, Register, interleave_f32};
-use super::inputs::{COUNT, LINEAR, Lines, OUTPUTS, SIDE_XZ, SIDE_Y};
+use super::inputs::{COUNT, LINEAR, Lines, OUTPUTS, SIDE_XZ, SIDE_Y, SMOOTH};
 use super::roots::{ROOTS, roots_of_row};
 use super::stages::{FINE, MARGIN, SCALES, Stages};
 
@@ -27,7 +27,7 @@ fn lane_of(input: usize) -> usize {
     if let Some(root) = input.checked_sub(LINEAR) {
         return FIRST_ROOT + root;
     }
-    if let Some(smooth) = input.checked_sub(PATCH_Y + PATCH_XZ) {
+    if let Some(smooth) = input.checked_sub(SMOOTH) {
         return FIRST_SMOOTH + smooth;
     }
     match input.checked_sub(PATCH_Y) {

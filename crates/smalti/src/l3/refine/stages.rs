@@ -23,7 +23,7 @@ pub(super) const STEPS: [usize; PICTURES] = [0, 1, 2, 4, 0, 4, 8];
 /// before, because the noise falls about as fast.
 const TOLERANCES: [f32; PICTURES] = [0.0, 3.0, 1.5, 0.75, 0.0, 0.375, 0.1875];
 /// Contrast that is tolerated as noise is, because it may be an error of the first stage: a tenth.
-const CONTRAST: f32 = 0.1;
+pub(super) const CONTRAST: f32 = 0.1;
 /// Bounds of the squared difference of colours that is tolerated, so that its square has single precision.
 const SQUARES: [f32; 2] = [1e-15, 1e15];
 /// Distance of the farthest pixel of the picture on which an output depends. An output of an odd row reads the coarse pictures of the row

@@ -8,9 +8,10 @@
 use rayon::prelude::*;
 
 use super::axes::RefinementAxes;
-use super::inputs::{COUNT, FIRST_SMOOTH, LINEAR, Lines, OUTPUTS, plane_of};
-use super::stages::{HALF, ROWS_BEYOND, STEPS, Stages};
+use super::inputs::{COUNT, LINEAR, Lines, OUTPUTS, SMOOTH, plane_of};
+use super::stages::{CONTRAST, HALF, ROWS_BEYOND, STEPS, Stages};
 use crate::numeric::Planes;
+use crate::numeric::normal::normal_pair;
 use crate::numeric::philox::Stream;
 
 /// Standard deviation of the error that each position of the tile is taken to have, relative to brightness, in the picture and in its finest
@@ -23,7 +24,6 @@ const SIDE: usize = 96;
 const AROUND: usize = (ROWS_BEYOND + 1).next_multiple_of(2);
 /// The size of the pattern, relative to the noise and contrast that smoothing tolerates.
 const SIZE: f32 = 0.25;
-const CONTRAST: f32 = 0.1;
 /// Separates the random numbers of the noise from other uses of a seed.
 const PURPOSE: u32 = 0x7469_6c65;
 
@@ -37,11 +37,11 @@ pub(super) struct TilePattern<'a> {
 impl<'a> TilePattern<'a> {
     /// For a tile of so many rows and columns. A tile of one pixel has no pattern.
     pub(super) fn new(axes: &'a RefinementAxes, tile: [usize; 2]) -> Self {
-        let smooth = of_smooth_picture(tile);
+        let (smooth, field) = (of_smooth_picture(tile), Field::new(tile));
         let of_level = |level: usize| {
             let y = axes.brightness(level);
             let variance = (ERROR * f64::from(y)).powi(2);
-            let both = of_picture(axes, tile, y).into_iter().zip(&smooth);
+            let both = field.of_picture(axes, y).into_iter().zip(&smooth);
             both.map(|(picture, smooth)| variance * (picture + smooth)).collect()
         };
         Self { axes, levels: (0..axes.levels().count()).into_par_iter().map(of_level).collect() }
@@ -66,44 +66,60 @@ fn pattern(tile: [usize; 2], row: usize, col: usize) -> f64 {
     f64::from(u8::from(is_there)) - 1.0 / (tile[0] * tile[1]) as f64
 }
 
-/// Of a pattern in the picture: the difference that it makes to noisy inputs, because noise lessens the weights of smoothing.
-fn of_picture(axes: &RefinementAxes, tile: [usize; 2], y: f32) -> Vec<f64> {
-    let period = period(tile);
-    let [rows, cols] = period.map(|n| SIDE.next_multiple_of(n) + 2 * AROUND);
-    let [v0, v1, v2] = axes.noise();
-    let sigma = (v0 + (v1 + v2 * y) * y).sqrt();
-    let size = SIZE * sigma.hypot(CONTRAST * y);
-    let means = |size: f32| {
-        let mut random = Stream::new(1, PURPOSE, 0);
-        // Nearly normal, of variance 1.
-        let mut noise = || ((0..12).map(|_| random.uniform()).sum::<f64>() - 6.0) as f32;
-        let mut field = Planes::zeros(rows, cols, OUTPUTS);
-        for (i, v) in field.data_mut().iter_mut().enumerate() {
-            *v = y + sigma * noise() + size * pattern(tile, i / cols % rows, i % cols) as f32;
-        }
-        mean_inputs(&Stages::of(&field, axes.noise()), period, [rows, cols])
-    };
-    let (with, without) = (means(size), means(0.0));
-    let response = |(with, without): (&[f64; COUNT], &[f64; COUNT])| {
-        std::array::from_fn(|i| (with[i] - without[i]) / f64::from(size))
-    };
-    covariance(with.iter().zip(&without).map(response).collect(), tile)
+/// A uniform area with noise, which is the same with and without a pattern and at every level.
+struct Field {
+    tile: [usize; 2],
+    /// Rows and columns.
+    size: [usize; 2],
+    /// Of variance 1, for each pixel and plane.
+    noise: Vec<f32>,
 }
 
-/// The mean inputs of every position of the period.
-fn mean_inputs(stages: &Stages, period: [usize; 2], [rows, cols]: [usize; 2]) -> Vec<[f64; COUNT]> {
-    let mut means = vec![[0.0; COUNT]; period[0] * period[1]];
-    let share = means.len() as f64 / ((rows - 2 * AROUND) * (cols - 2 * AROUND)) as f64;
-    let mut inputs = [0.0; COUNT];
-    for row in AROUND..rows - AROUND {
-        let lines = Lines::of(stages, row);
-        for col in AROUND..cols - AROUND {
-            lines.read(col, &mut inputs);
-            let means = &mut means[row % period[0] * period[1] + col % period[1]];
-            means.iter_mut().zip(inputs).for_each(|(mean, v)| *mean += share * f64::from(v));
-        }
+impl Field {
+    fn new(tile: [usize; 2]) -> Self {
+        let size = period(tile).map(|n| SIDE.next_multiple_of(n) + 2 * AROUND);
+        let mut random = Stream::new(1, PURPOSE, 0);
+        let pairs = (OUTPUTS * size[0] * size[1]).div_ceil(2);
+        let pair = |_| <[f32; 2]>::from(normal_pair(random.next_u32(), random.next_u32()));
+        Self { tile, size, noise: (0..pairs).flat_map(pair).collect() }
     }
-    means
+
+    /// Of a pattern in the picture: the difference that it makes to noisy inputs, because noise lessens the weights of smoothing.
+    fn of_picture(&self, axes: &RefinementAxes, y: f32) -> Vec<f64> {
+        let [v0, v1, v2] = axes.noise();
+        let sigma = (v0 + (v1 + v2 * y) * y).sqrt();
+        let size = SIZE * sigma.hypot(CONTRAST * y);
+        let [rows, cols] = self.size;
+        let means = |size: f32| {
+            let mut picture = Planes::zeros(rows, cols, OUTPUTS);
+            for (i, (v, noise)) in picture.data_mut().iter_mut().zip(&self.noise).enumerate() {
+                *v = y + sigma * noise + size * pattern(self.tile, i / cols % rows, i % cols) as f32;
+            }
+            self.mean_inputs(&Stages::of(&picture, axes.noise()))
+        };
+        let (with, without) = (means(size), means(0.0));
+        let response = |(with, without): (&[f64; COUNT], &[f64; COUNT])| {
+            std::array::from_fn(|i| (with[i] - without[i]) / f64::from(size))
+        };
+        covariance(with.iter().zip(&without).map(response).collect(), self.tile)
+    }
+
+    /// The mean inputs of every position of the period.
+    fn mean_inputs(&self, stages: &Stages) -> Vec<[f64; COUNT]> {
+        let (period, [rows, cols]) = (period(self.tile), self.size);
+        let mut means = vec![[0.0; COUNT]; period[0] * period[1]];
+        let share = means.len() as f64 / ((rows - 2 * AROUND) * (cols - 2 * AROUND)) as f64;
+        let mut inputs = [0.0; COUNT];
+        for row in AROUND..rows - AROUND {
+            let lines = Lines::of(stages, row);
+            for col in AROUND..cols - AROUND {
+                lines.read(col, &mut inputs);
+                let means = &mut means[row % period[0] * period[1] + col % period[1]];
+                means.iter_mut().zip(inputs).for_each(|(mean, v)| *mean += share * f64::from(v));
+            }
+        }
+        means
+    }
 }
 
 /// Of a pattern in the finest smooth picture, which the others are made of.
@@ -111,17 +127,16 @@ fn of_smooth_picture(tile: [usize; 2]) -> Vec<f64> {
     let [rows, cols] = period(tile);
     let mut picture: Vec<f64> = (0..rows * cols).map(|i| pattern(tile, i / cols, i % cols)).collect();
     let mut responses = vec![[0.0; COUNT]; rows * cols];
-    let mut inputs = (FIRST_SMOOTH..LINEAR).step_by(OUTPUTS);
-    for (index, distance) in STEPS.into_iter().enumerate().skip(1) {
-        // Distances in pixels of the first picture.
-        let step = distance * if index < HALF { 1 } else { 2 };
-        picture = match index {
-            1 => picture,
-            HALF => (0..rows * cols).map(|i| picture[((i / cols) & !1) * cols + ((i % cols) & !1)]).collect(),
-            _ => smoothed(&picture, [rows, cols], step),
-        };
+    let mut inputs = (SMOOTH..LINEAR).step_by(OUTPUTS);
+    for (index, step) in STEPS.into_iter().enumerate().skip(1) {
         if index == HALF {
+            picture =
+                (0..rows * cols).map(|i| picture[((i / cols) & !1) * cols + ((i % cols) & !1)]).collect();
             continue;
+        }
+        if index > 1 {
+            // The period is in pixels of the first picture.
+            picture = smoothed(&picture, [rows, cols], if index < HALF { step } else { 2 * step });
         }
         let Some(first) = inputs.next() else { break };
         for (response, v) in responses.iter_mut().zip(&picture) {

@@ -1,6 +1,6 @@
 //! Laws of the patterns that kernels do not pass on.
 
-use super::super::inputs::{COUNT, FIRST_SMOOTH, LINEAR, OWN, plane_of};
+use super::super::inputs::{COUNT, LINEAR, OWN, SMOOTH, plane_of};
 use super::super::tile_pattern::TilePattern;
 use super::*;
 
@@ -18,7 +18,7 @@ fn a_single_pixel_has_no_pattern() {
 }
 
 /// The error of one position varies over a tile of n pixels with a variance of (1 − 1/n) / n, and n positions have one. Smoothing over neighbours
-/// that all count as they are removes what alternates between pixels; between pixels that are two apart it removes what has a period of four.
+/// that all count as they are removes what alternates between pixels.
 #[test]
 fn inputs_vary_with_the_errors_of_positions() {
     let axes = RefinementAxes::new(axes().levels().clone(), [1e-8, 1e-8, 0.0]).unwrap();
@@ -38,7 +38,7 @@ fn inputs_vary_with_the_errors_of_positions() {
             assert_eq!(of(a, b), of(b, a));
         }
         // The finest smooth picture: its own errors, and hardly any of those of the picture where the tile has two rows and columns.
-        let finest = of(FIRST_SMOOTH, FIRST_SMOOTH) - (1.0 - 1.0 / count);
+        let finest = of(SMOOTH, SMOOTH) - (1.0 - 1.0 / count);
         assert!(finest >= 0.0 && (tile != [2, 2] || finest < 0.02), "{tile:?}: {finest}");
     }
 }
