@@ -19,6 +19,12 @@ const SCENE_PX: usize = 256;
 pub(crate) const SAMPLES_PER_PX: usize = 2;
 /// Number of scenes of dead leaves, without and with stored scenes, of which some show leaves.
 const LEAVES: [usize; 2] = [12, 8];
+/// The sizes that the patches of each chart of uniform patches begin at.
+const LEAST_PATCHES: [u32; 3] = [3, 8, 5];
+/// The light that reaches a warm part of a scene, and the light without the warmth: a shift by 159 mired, that of a filter that makes
+/// daylight the light of a film lamp.
+const WARM_INSTEAD_OF_COOL: [Illuminant; 2] =
+    [Illuminant::Blackbody { temperature_k: 3200.0 }, Illuminant::Blackbody { temperature_k: 6500.0 }];
 /// Number of grey reflectances.
 const GREYS: usize = 16;
 
@@ -29,6 +35,8 @@ pub struct TrainingScene {
     pub content: TrainingContent,
     /// Its illuminant.
     pub light: Illuminant,
+    /// Whether the second stage of pipelines learns from it in warm local light: see [`TrainingScene::in_local_light`].
+    pub has_warm_light: bool,
 }
 
 /// The content of a training scene.
@@ -76,6 +84,8 @@ impl StoredTrainingScenes for NoStoredScenes {
 /// - edges, Siemens stars, gratings and a grey ramp;
 /// - the `stored` scenes: photographs and path-traced scenes. With them, there are fewer dead leaves.
 ///
+/// Every second scene of leaves and patches has warm local light for the second stage of pipelines.
+///
 /// It contains none of the [`test_scenes`](super::test_scenes), none of the targets of [`evaluate`](super::evaluate()), no
 /// reflectance of the ColorChecker, and none of the [`surfaces`](reflectance::surfaces) of which rendered test scenes and photographs
 /// are made. The dead leaves of the test scenes have other shapes but the same reflectances of natural objects, so that their scores
@@ -88,7 +98,7 @@ pub fn training_scenes(lights: &[Illuminant], stored: &dyn StoredTrainingScenes)
     let mut specs: Vec<String> = (0..leaves).map(|i| dead_leaves(i, n)).collect();
     let patches =
         |(i, least): (usize, u32)| format!("color-patches?rows={n}&cols={n}&seed={}&least={least}", i + 1);
-    specs.extend([3, 8, 5].into_iter().enumerate().map(patches));
+    specs.extend(LEAST_PATCHES.into_iter().enumerate().map(patches));
     let gradients =
         |(i, cell): (usize, u32)| format!("gradients?rows={n}&cols={n}&seed={}&cell={cell}", i + 1);
     specs.extend([64, 128].into_iter().enumerate().map(gradients));
@@ -108,7 +118,10 @@ pub fn training_scenes(lights: &[Illuminant], stored: &dyn StoredTrainingScenes)
     let lights = if lights.is_empty() { &[DEFAULT_TRAINING_LIGHT][..] } else { lights };
     // Every illuminant occurs with every scale of leaves.
     let light = |i: usize| lights[(i + i / 4) % lights.len()].clone();
-    contents.enumerate().map(|(i, content)| TrainingScene { content, light: light(i) }).collect()
+    // Leaves and patches come first. Charts of greys and paper stay white, and photographs as they are.
+    let has_warm_light = |i: usize| i < leaves + LEAST_PATCHES.len() && i % 2 == 1;
+    let scene = |(i, content)| TrainingScene { content, light: light(i), has_warm_light: has_warm_light(i) };
+    contents.enumerate().map(scene).collect()
 }
 
 impl fmt::Display for TrainingContent {
@@ -176,6 +189,20 @@ impl TrainingScene {
         let px = scene.radiance().cols() / SAMPLES_PER_PX;
         let deg = camera.field_of_view_deg(px.max(1), setting.distance_m)?;
         Ok(scene.with_fov(deg)?)
+    }
+
+    /// The built scene as the second stage of pipelines learns from it. The light of a scene varies from place to place, mostly towards
+    /// red, where walls, wood or the evening sun lend it their colour. The white of the picture remains that of the illuminant. Without
+    /// warm scenes, the second stage would take everything bright and warm for one of the few surfaces of that colour that it has seen.
+    ///
+    /// # Errors
+    /// As [`Scene::in_local_light`].
+    pub fn in_local_light(&self, built: Scene) -> Result<Scene, CameraError> {
+        if !self.has_warm_light {
+            return Ok(built);
+        }
+        let [warm, cool] = &WARM_INSTEAD_OF_COOL;
+        Ok(built.in_local_light(warm, cool)?)
     }
 }
 

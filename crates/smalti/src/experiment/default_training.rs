@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use super::error::StageContext;
 use super::learning::{TrainingRecord, solve};
-use super::material::{TrainingMaterial, first_light};
+use super::material::{TrainingMaterial, built, first_light};
 use super::order::Order;
 use super::progress::ensure_running;
 use super::training_statistics::{WhiteIn, ensure_mosaic, fresh_statistics, second_stage};
@@ -200,7 +200,9 @@ fn add_default_set<L: Learner>(
     }
     let (progress, stored) = (resources.progress, resources.training_scenes);
     for group in &mut groups {
-        let Some(first) = group.first().map(|g| g.of) else { continue };
+        let Some((first, is_local)) = group.first().map(|g| (g.of, g.learner.learns_local_light())) else {
+            continue;
+        };
         let (scenes, count) = (training_scenes(std::slice::from_ref(first.light), stored), group.len());
         progress.expect(scenes.len() as u64);
         let reflectances =
@@ -209,7 +211,7 @@ fn add_default_set<L: Learner>(
             ensure_running(progress)?;
             let failed = |e: ExperimentError| e.of_camera(first.label);
             let context = || format!("scene {}", scene.content);
-            let built = scene.build(first.camera, &reflectances, stored).in_context(context);
+            let built = built(scene, first.camera, &reflectances, stored, is_local).in_context(context);
             let built = built.map_err(failed)?;
             let shared = || first.camera.optics.image(&built).in_context(context).map_err(failed);
             let image = (!settings.has_own_images()).then(shared).transpose()?;
@@ -294,7 +296,11 @@ mod tests {
         let reflectances = training_reflectances(camera.grid()).unwrap();
         let spec = "dead-leaves?rows=96&cols=96&seed=3&least=2&largest=40";
         let spec = TrainingContent::Catalog(spec.into());
-        let under = |light: &Illuminant| TrainingScene { content: spec.clone(), light: light.clone() };
+        let under = |light: &Illuminant| TrainingScene {
+            content: spec.clone(),
+            light: light.clone(),
+            has_warm_light: false,
+        };
         let (d65, a) = (under(&Illuminant::D65), under(&Illuminant::A));
         let statistics = |scene: &TrainingScene| {
             let built = scene.build(&camera, &reflectances, &NoStoredScenes).unwrap();

@@ -91,6 +91,7 @@ pub(super) fn add_scenes(
     learner: &mut dyn Learner,
     progress: &dyn Progress,
 ) -> Result<(), ExperimentError> {
+    let is_local = learner.learns_local_light();
     let mut learn = |item: u64, name: &str, scene: &dyn Fn() -> Result<Scene, CameraError>| {
         ensure_running(progress)?;
         let short = name.split('?').next().unwrap_or(name);
@@ -104,7 +105,7 @@ pub(super) fn add_scenes(
         TrainingMaterial::DefaultSet(lights, stored) => {
             let scenes = training_scenes(lights, *stored);
             let reflectances = training_reflectances(camera.grid()).in_context(|| label.to_owned())?;
-            let built = |s: &TrainingScene| s.build(camera, &reflectances, *stored);
+            let built = |s: &TrainingScene| built(s, camera, &reflectances, *stored, is_local);
             let mut scenes = scenes.iter().zip(0..);
             scenes.try_for_each(|(s, item)| learn(item, &s.content.to_string(), &|| built(s)))
         }
@@ -113,6 +114,21 @@ pub(super) fn add_scenes(
             learn(item_of(&s.name, before), &s.name, &|| Ok(s.scene.clone()))
         }),
     }
+}
+
+/// A scene of the default set, in its local light or in that of the whole scene.
+///
+/// # Errors
+/// As [`TrainingScene::build`].
+pub(super) fn built(
+    scene: &TrainingScene,
+    camera: &Camera,
+    reflectances: &[Spectrum],
+    stored: &dyn StoredTrainingScenes,
+    is_local: bool,
+) -> Result<Scene, CameraError> {
+    let whole = scene.build(camera, reflectances, stored)?;
+    if is_local { scene.in_local_light(whole) } else { Ok(whole) }
 }
 
 /// The key of a scene's noise: the 32-bit FNV-1a hash of its name plus the number of earlier scenes of that name.

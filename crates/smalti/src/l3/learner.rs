@@ -15,6 +15,11 @@ pub trait Learner: Send {
 
     /// States how many times the pairs that follow count. A learner may ignore it.
     fn weigh(&mut self, _times: u32) {}
+
+    /// Whether it is to learn from scenes in their local light, which differs from that of the whole scene in colour.
+    fn learns_local_light(&self) -> bool {
+        false
+    }
 }
 
 impl Learner for Statistics {
@@ -67,5 +72,9 @@ impl Learner for SecondStage<'_> {
 
     fn weigh(&mut self, times: u32) {
         self.times = times;
+    }
+
+    fn learns_local_light(&self) -> bool {
+        true
     }
 }

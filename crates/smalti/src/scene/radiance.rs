@@ -122,18 +122,40 @@ impl Scene {
     /// When the old illuminant has less than 10⁻⁶ of its maximum at a wavelength where the new one has power,
     /// when the new one does not cover the grid, or when the result has no luminance.
     pub fn relit(self, illuminant: &Illuminant) -> Result<Self, SceneError> {
-        let grid = self.radiance.grid();
-        let new = illuminant.photons(grid)?;
+        let new = illuminant.photons(self.radiance.grid())?;
         let mut factors = self.ratios_to(&new)?;
-        let y = &Observer::Cie1931.photon_weights(grid)?[1];
+        let scale = self.keep_luminance(&mut factors)?;
+        self.multiplied(&factors, new.scaled(scale)?)
+    }
+
+    /// The scene with its radiance multiplied by the ratio of two illuminants, `light` ÷ `instead_of`, wavelength by wavelength, at the
+    /// same mean luminance: what a part of a larger scene sends out that light reaches from coloured walls or the evening sun. The
+    /// [illuminant](Scene::illuminant) remains that of the whole scene.
+    ///
+    /// # Errors
+    /// When an illuminant does not cover the grid, the second one is dark where the first one is not, or the result has no luminance.
+    pub fn in_local_light(self, light: &Illuminant, instead_of: &Illuminant) -> Result<Self, SceneError> {
+        let grid = self.radiance.grid();
+        let mut factors = ratios(&instead_of.photons(grid)?, &light.photons(grid)?)?;
+        self.keep_luminance(&mut factors)?;
+        let illuminant = self.illuminant.clone();
+        self.multiplied(&factors, illuminant)
+    }
+
+    /// Scales the factors of its planes so that its mean luminance is kept, and returns the scale.
+    ///
+    /// # Errors
+    /// When there is no luminance with these factors.
+    fn keep_luminance(&self, factors: &mut [f64]) -> Result<f64, SceneError> {
+        let y = &Observer::Cie1931.photon_weights(self.radiance.grid())?[1];
         let means = self.plane_means();
         let luminance = |factors: &[f64]| -> f64 {
             means.iter().zip(y.values()).zip(factors).map(|((m, w), f)| m * w * f).sum()
         };
-        let before = luminance(&vec![1.0; grid.len()]);
-        let scale = before / self.some_luminance(luminance(&factors))?;
+        let before = luminance(&vec![1.0; factors.len()]);
+        let scale = before / self.some_luminance(luminance(factors))?;
         factors.iter_mut().for_each(|f| *f *= scale);
-        self.multiplied(&factors, new.scaled(scale)?)
+        Ok(scale)
     }
 
     /// The ratio of another light (photons, on the wavelengths of the scene) to the illuminant, for each wavelength; 0 where both are
@@ -142,17 +164,7 @@ impl Scene {
     /// # Errors
     /// When the illuminant has less than 10⁻⁶ of its maximum at a wavelength where the other light has power.
     pub(crate) fn ratios_to(&self, light: &Spectrum) -> Result<Vec<f64>, SceneError> {
-        let (grid, old_max) = (self.radiance.grid(), self.illuminant.max());
-        let mut factors = Vec::with_capacity(grid.len());
-        for (i, (&old, &new)) in self.illuminant.values().iter().zip(light.values()).enumerate() {
-            let present = old > NO_LIGHT * old_max;
-            if !present && new > 0.0 {
-                let fraction = if old_max > 0.0 { old / old_max } else { 0.0 };
-                return Err(SceneError::NoLightToDivideBy { wavelength_nm: grid.wavelength_nm(i), fraction });
-            }
-            factors.push(if present { new / old } else { 0.0 });
-        }
-        Ok(factors)
+        ratios(&self.illuminant, light)
     }
 
     /// The scene on a wavelength grid, unchanged if that is its own; radiance and illuminant are interpolated linearly.
@@ -243,4 +255,19 @@ impl Scene {
         });
         Ok(Self { radiance: SpectralCube::new(grid, planes)?, illuminant, ..self })
     }
+}
+
+/// The ratio of a light to another one on the same wavelengths, for each wavelength; 0 where both are dark.
+fn ratios(old: &Spectrum, new: &Spectrum) -> Result<Vec<f64>, SceneError> {
+    let (grid, old_max) = (old.grid(), old.max());
+    let mut factors = Vec::with_capacity(grid.len());
+    for (i, (&old, &new)) in old.values().iter().zip(new.values()).enumerate() {
+        let present = old > NO_LIGHT * old_max;
+        if !present && new > 0.0 {
+            let fraction = if old_max > 0.0 { old / old_max } else { 0.0 };
+            return Err(SceneError::NoLightToDivideBy { wavelength_nm: grid.wavelength_nm(i), fraction });
+        }
+        factors.push(if present { new / old } else { 0.0 });
+    }
+    Ok(factors)
 }

@@ -145,6 +145,36 @@ fn the_default_set_meets_every_light() {
     }
 }
 
+/// Every second scene of leaves and patches is also given in warm local light, which changes the colour of its pixels, but neither its
+/// luminance nor its white. All other scenes remain as they are.
+#[test]
+fn some_scenes_have_warm_local_light() {
+    let camera = camera("bayer");
+    let reflectances = training_reflectances(camera.grid()).unwrap();
+    let set = training_scenes(&[Illuminant::D65], &NoStoredScenes);
+    let warm: Vec<&str> = set.iter().filter(|s| s.has_warm_light).map(|s| s.content.name()).collect();
+    assert_eq!(warm, [["dead-leaves"; 6].as_slice(), &["color-patches"]].concat());
+    let first = set.iter().position(|s| s.has_warm_light).unwrap();
+    for scene in &set[first - 1..=first] {
+        let built = scene.build(&camera, &reflectances, &NoStoredScenes).unwrap();
+        let local = scene.in_local_light(built.clone()).unwrap();
+        assert_eq!(local.illuminant(), built.illuminant());
+        let of = |s: &Scene| s.mean_luminance_cd_m2().unwrap();
+        assert!((of(&local) / of(&built) - 1.0).abs() < 1e-6);
+        let mean = |s: &Scene, plane: usize| {
+            s.xyz().unwrap().plane(plane).unwrap().iter().map(|&v| f64::from(v)).sum::<f64>()
+        };
+        let red = |s: &Scene| mean(s, 0) / mean(s, 2);
+        let ratio = red(&local) / red(&built);
+        if scene.has_warm_light {
+            // White under 3200 K instead of 6500 K: X/Z of 2.40 instead of 0.87, less what leaves absorb.
+            assert!((2.0..3.5).contains(&ratio), "{ratio}");
+        } else {
+            assert_eq!(local, built);
+        }
+    }
+}
+
 /// A scene in a few pixels: the logarithm of its luminance on 96 × 96 of them, of mean 0 and length 1. The same for a scene in any
 /// size.
 fn thumbnail(scene: &Scene) -> Vec<f64> {

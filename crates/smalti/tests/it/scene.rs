@@ -252,6 +252,29 @@ fn relighting_there_and_back_is_the_identity() {
     assert!(largest_relative_difference(&back, &d65) < 1e-6);
 }
 
+/// Local light multiplies every wavelength by the ratio of two illuminants, up to one factor that keeps the luminance, and leaves the
+/// white of the scene; the other way round it is undone.
+#[test]
+fn local_light_changes_pixels_and_no_white() {
+    let built = macbeth::chart(8, &setting(80.0)).unwrap();
+    let local = built.clone().in_local_light(&Illuminant::A, &Illuminant::D65).unwrap();
+    assert_eq!(local.illuminant(), built.illuminant());
+    assert!((local.mean_luminance_cd_m2().unwrap() / 80.0 - 1.0).abs() < 1e-6);
+    let [a, d65] = [Illuminant::A, Illuminant::D65].map(|light| light.photons(GRID).unwrap());
+    let factor = |band: usize| {
+        let ratio = row(&local, band, 9)[9] / row(&built, band, 9)[9];
+        ratio / (a.values()[band] / d65.values()[band])
+    };
+    let factors: Vec<f64> = (0..GRID.len()).map(factor).collect();
+    assert_close("factors", &factors, &vec![factors[0]; GRID.len()], 1e-6);
+    let back = local.in_local_light(&Illuminant::D65, &Illuminant::A).unwrap();
+    assert!(largest_relative_difference(&back, &built) < 1e-6);
+
+    let dark = Illuminant::Measured { name: "dark".into(), power: Spectrum::constant(GRID, 0.0).unwrap() };
+    let refused = built.in_local_light(&Illuminant::A, &dark).unwrap_err();
+    assert!(matches!(refused, SceneError::NoLightToDivideBy { .. }), "{refused:?}");
+}
+
 #[test]
 fn what_was_not_lit_cannot_be_relit() {
     let power = Spectrum::from_fn(GRID, |nm| if nm < 450.0 { 0.0 } else { 1.0 }).unwrap();
