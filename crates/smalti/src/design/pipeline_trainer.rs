@@ -18,10 +18,10 @@ use crate::camera::chart::LUMINANCE;
 use crate::camera::score::limit_brightness;
 use crate::camera::stable_text::stable_text;
 use crate::camera::{Camera, CameraError, HIGHEST_CUT, OpticalImages};
-use crate::l3::{Pair, Pipeline, Statistics, Training};
+use crate::l3::{EvenField, Pair, Pipeline, Statistics, Training};
 use crate::numeric::Planes;
 use crate::scene::{self, Setting, macbeth};
-use crate::sensor::{Cfa, Exposure, Mosaic, NoiseMode, PixelSpectra};
+use crate::sensor::{Cfa, ElectronRates, Exposure, Mosaic, NoiseMode, PixelSpectra};
 use crate::spectrum::{Observer, Spectrum};
 
 /// Ratio of each exposure of [`PipelineTrainer::thorough_pipeline`] to the next, from the longest down. Pictures have parts that are darker and
@@ -186,22 +186,29 @@ impl PipelineTrainer {
         let (ExposedDesign { camera, exposure, scale, full, axes, .. }, data) = (design, &self.data);
         let outputs = ["X", "Y", "Z"].map(String::from).to_vec();
         let mut statistics = Statistics::new(axes.clone(), outputs, false)?;
-        for (seed, factor) in (data.seed..).zip(from.exposures) {
+        let rates = ElectronRates::new(&camera.sensor, &*data.pixels)?;
+        let mut surfaces: Vec<(Vec<f64>, &[f64; 3], u32)> = Vec::new();
+        for &(some, times) in from.surfaces {
+            surfaces.extend(some.iter().map(|(radiance, xyz)| (design.samples(radiance), xyz, times)));
+        }
+        for (seed, &factor) in (data.seed..).zip(from.exposures) {
             let exposure = Exposure { time_s: exposure.time_s * factor, ..*exposure };
-            let raw = camera.sensor.capture_ideal(&*data.pixels, &exposure)?;
-            let seen = camera.sensor.capture(&*data.pixels, &exposure, NoiseMode::All, seed)?;
+            let raw = camera.sensor.capture_ideal((&rates, 1.0), &exposure)?;
+            let seen = camera.sensor.capture((&rates, 1.0), &exposure, NoiseMode::All, seed)?;
             let mut target = Planes::clone(&data.seen);
             target.data_mut().iter_mut().for_each(|v| *v *= (scale * factor) as f32);
             let brightness = target.plane(LUMINANCE)?.to_vec();
             limit_brightness(&mut target, from.most as f32, &brightness);
             statistics.add(&Pair { raw: &raw, seen: Some(&seen), target: &target })?;
-            for &(surfaces, patches) in from.surfaces {
-                for (radiance, xyz) in surfaces {
-                    let samples: Vec<f64> = design.samples(radiance).iter().map(|v| v * factor).collect();
-                    let bright = (full * factor).min(from.most / xyz[LUMINANCE]);
-                    statistics.add_even(&samples, &xyz.map(|v| v * bright), patches)?;
+            let exposed = |(samples, xyz, times): &(Vec<f64>, &[f64; 3], u32)| {
+                let bright = (full * factor).min(from.most / xyz[LUMINANCE]);
+                EvenField {
+                    samples: samples.iter().map(|v| v * factor).collect(),
+                    target: xyz.map(|v| v * bright).to_vec(),
+                    times: *times,
                 }
-            }
+            };
+            statistics.add_even(&surfaces.iter().map(exposed).collect::<Vec<_>>())?;
         }
         Ok(statistics)
     }

@@ -18,6 +18,7 @@ mod blocks;
 mod class_map;
 mod classify;
 mod error;
+mod even_field;
 mod fallback;
 mod gather;
 mod lattice;
@@ -51,6 +52,7 @@ pub(crate) use solved::{
 
 pub use axes::{Axes, ClassKey, MAX_SIDE, Textures};
 pub use error::L3Error;
+pub use even_field::EvenField;
 pub use lattice::ContrastPairs;
 pub use learner::{Learner, SecondStage};
 pub use levels::Levels;

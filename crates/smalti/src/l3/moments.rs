@@ -78,6 +78,13 @@ impl Moments {
         }
     }
 
+    /// Adds moments of a shorter z, whose entry `places[i]` stands at entry `i` of the z of these.
+    pub(crate) fn merge_repeated(&mut self, shorter: &Self, places: &[usize]) {
+        let rows = places.iter().enumerate();
+        let pairs = rows.flat_map(|(i, &row)| places[i..].iter().map(move |&col| (row, col)));
+        self.sums.iter_mut().zip(pairs).for_each(|(sum, (row, col))| *sum += shorter.get(row, col));
+    }
+
     /// Adds one z `times` times; a z of another length is ignored.
     pub(crate) fn add(&mut self, z: &[f64], times: f64) {
         if z.len() != self.size {

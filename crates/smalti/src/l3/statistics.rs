@@ -179,7 +179,7 @@ impl Statistics {
         Ok(())
     }
 
-    fn class_mut(&mut self, key: ClassKey) -> &mut Moments {
+    pub(super) fn class_mut(&mut self, key: ClassKey) -> &mut Moments {
         let (taps, outputs) = (self.axes.taps(), self.outputs.len());
         self.classes.entry(key).or_insert_with(|| Moments::new(taps, outputs))
     }
@@ -198,46 +198,10 @@ impl Statistics {
         Ok(())
     }
 
-    /// Adds `times` patches of a uniform field at every position, as if from an image of it. `samples` are
-    /// normalised and noise-free, one per channel, and clip at 1; `target` has one value per output. The patches count as
-    /// flat.
-    ///
-    /// # Errors
-    /// When there is not one value per channel and output, or a value is not finite.
-    pub fn add_even(&mut self, samples: &[f64], target: &[f64], times: u32) -> Result<(), L3Error> {
-        let channels = self.axes.mosaic().channels();
-        if samples.len() != channels || samples.iter().any(|v| !v.is_finite()) {
-            let reason = format!("an even field needs {channels} finite samples, one for each channel");
-            return Err(L3Error::Table(reason));
-        }
-        if target.len() != self.outputs.len() {
-            return Err(L3Error::Outputs { expected: self.outputs.len(), got: target.len() });
-        }
-        if let Some(&value) = target.iter().find(|v| !v.is_finite()) {
-            let what = "the target of an even field".into();
-            return Err(L3Error::Value { what, row: 0, col: 0, value: value as f32 });
-        }
-        if times == 0 {
-            return Ok(());
-        }
-        let taps = self.axes.taps();
-        let mut z = vec![1.0; 1 + taps];
-        z.extend_from_slice(target);
-        for position in 0..self.axes.positions() {
-            let mut saturation = 0;
-            for (tap, z) in z[1..=taps].iter_mut().enumerate() {
-                let channel = self.axes.channel_of(position, tap);
-                *z = samples[channel].min(1.0);
-                saturation |= u32::from(*z >= self.axes.clip()) << channel;
-            }
-            let mean = (z[1..=taps].iter().sum::<f64>() / taps as f64) as f32;
-            let level = self.axes.levels_at(position).level_of(mean) as u16;
-            let range = &mut self.trained[position];
-            *range = [range[0].min(mean), range[1].max(mean)];
-            let key = ClassKey { position: position as u32, saturation, level, texture: 0 };
-            self.class_mut(key).add(&z, f64::from(times));
-        }
-        Ok(())
+    /// Widens the range of mean responses that patches at a position have been learned from.
+    pub(super) fn widen_trained(&mut self, position: usize, mean: f32) {
+        let range = &mut self.trained[position];
+        *range = [range[0].min(mean), range[1].max(mean)];
     }
 
     /// Checks a pair and returns the position of the image's first pixel in the tile.
@@ -324,7 +288,7 @@ pub(super) fn check_size(axes: &Axes, rows: usize, cols: usize) -> Result<(), L3
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::l3::Levels;
     use crate::numeric::Planes;
@@ -343,7 +307,7 @@ mod tests {
         (raw, Planes::new(rows, cols, 2, target).unwrap())
     }
 
-    fn axes() -> Axes {
+    pub(in crate::l3) fn axes() -> Axes {
         let mosaic = Mosaic::new(2, 2, vec![0, 1, 1, 2]).unwrap();
         let noise = SignalNoise { constant: 1e-6, per_signal: 1e-4, ..SignalNoise::default() };
         Axes::new(mosaic, 5, Levels::logarithmic(4, 0.1, 0.8).unwrap(), noise).unwrap()
@@ -392,38 +356,6 @@ mod tests {
     }
 
     /// A uniform field counts like an image of it, also where channels clip.
-    #[test]
-    fn even_fields_are_pictures_of_them() {
-        for samples in [[0.31, 0.12, 0.45], [0.3, 1.6, 0.2], [1.2, 2.0, 1.1]] {
-            an_even_field_is_a_picture_of_it(samples);
-        }
-    }
-
-    fn an_even_field_is_a_picture_of_it(samples: [f64; 3]) {
-        let target = [0.2, 0.7];
-        let mosaic = Mosaic::new(2, 2, vec![0, 1, 1, 2]).unwrap();
-        let at = |i: usize| samples[mosaic.channel_at(i / 12, i % 12)].min(1.0) as f32;
-        let names = ["R", "G", "B"].map(String::from).to_vec();
-        let volts = RawSamples::Analog((0..144).map(at).collect());
-        let raw = RawImage::new(12, 12, volts, Sampling::Mosaic(mosaic.clone()), names, 0.0, 1.0).unwrap();
-        let plane = Planes::new(12, 12, 2, (0..288).map(|i| target[i / 144] as f32).collect()).unwrap();
-        let empty = || Statistics::new(axes(), vec!["a".into(), "b".into()], false).unwrap();
-        let (mut picture, mut field) = (empty(), empty());
-        picture.add(&Pair { raw: &raw, seen: None, target: &plane }).unwrap();
-        field.add_even(&samples, &target, 16).unwrap();
-        // A quarter of the 8 × 8 patches within the image belongs to each position.
-        assert!(picture.classes().keys().eq(field.classes().keys()) && field.count() == 64);
-        for (a, b) in picture.classes().values().zip(field.classes().values()) {
-            assert!(a.sums().iter().zip(b.sums()).all(|(a, b)| (a - b).abs() < 1e-6 * b.abs()));
-        }
-        for (a, b) in picture.trained().iter().flatten().zip(field.trained().iter().flatten()) {
-            assert!((a - b).abs() < 1e-6);
-        }
-        assert!(field.add_even(&samples[1..], &target, 1).is_err());
-        assert!(field.add_even(&samples, &[0.1], 1).is_err());
-        assert!(field.add_even(&[f64::NAN, 0.0, 0.0], &target, 1).is_err());
-        assert!(field.add_even(&samples, &[0.1, f64::INFINITY], 1).is_err());
-    }
     #[test]
     fn statistics_are_their_parts() {
         let (raw, target) = pair(40, 33, 5);

@@ -3,6 +3,7 @@
 
 use std::borrow::Cow;
 
+use super::capture::Light;
 use super::collect::Collector;
 use super::{Sensor, SensorError};
 use crate::numeric::{Planes, Rect, require};
@@ -19,13 +20,13 @@ pub struct ElectronRates {
 }
 
 impl ElectronRates {
-    /// The rates of an image on a sensor.
+    /// The rates of light on a sensor.
     ///
     /// # Errors
-    /// When the sensor is invalid, or a curve does not cover the wavelengths of the image.
-    pub fn new(sensor: &Sensor, image: &OpticalImage) -> Result<Self, SensorError> {
+    /// When the sensor is invalid, a curve does not cover the wavelengths of the light, or the light is that of other pixels.
+    pub fn new<'a>(sensor: &Sensor, light: impl Into<Light<'a>>) -> Result<Self, SensorError> {
         sensor.validate()?;
-        Ok(Self { window: sensor.unbinned().read_window(), per_s: sensor.electrons(image.into(), 1.0)? })
+        Ok(Self { window: sensor.unbinned().read_window(), per_s: sensor.electrons(light.into(), 1.0)? })
     }
 
     /// [`ElectronRates::of_all`] for one group.
