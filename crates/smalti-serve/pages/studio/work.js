@@ -23,8 +23,10 @@ import { withAllFilters } from "./design.js";
  * }} Results
  */
 
-/** Scores are computed when no change came for this time, ms. */
+/** Scores are computed when no change came for this time, ms, */
 const PAUSE_MS = 120;
+/** and not as soon as the picture is there: a pointer that moves on must be heard first. */
+const PAUSE_AFTER_PICTURE_MS = 40;
 /** The light of the curves, cd/m². */
 export const LUMINANCES = Array.from({ length: 9 }, (_, i) => 10 ** (-1 + i / 2));
 
@@ -47,6 +49,7 @@ class Last {
 /** @param {Engine} engine @param {() => Wanted} wanted @param {() => Seen} seen @param {Results} results */
 export function setUpWork(engine, wanted, seen, results) {
   let version = 0;
+  let changedAt = 0;
   /** The version of the last results of each loop. @type {Record<Loop, number>} */
   const done = { pictures: -1, figures: -1 };
   /** Ends what waits for the light of an older version. */
@@ -102,8 +105,11 @@ export function setUpWork(engine, wanted, seen, results) {
     if (!isOld()) results.waits(undefined, isForPicture);
   }
 
-  /** Waits for some time, or for a newer version, which must not wait. */
-  const pause = () => Promise.race([new Promise((resolve) => { setTimeout(resolve, PAUSE_MS); }), renewed]);
+  /** Waits until no change came for some time, or for a newer version, which must not wait. */
+  function pause() {
+    const rest = Math.max(changedAt + PAUSE_MS - performance.now(), PAUSE_AFTER_PICTURE_MS);
+    return Promise.race([new Promise((resolve) => { setTimeout(resolve, rest); }), renewed]);
+  }
 
   /** @param {() => boolean} isOld */
   async function pictures(isOld) {
@@ -187,6 +193,7 @@ export function setUpWork(engine, wanted, seen, results) {
   /** Computes what is shown anew. */
   return () => {
     version += 1;
+    changedAt = performance.now();
     renew();
     renewed = new Promise((resolve) => { renew = resolve; });
     loop("pictures", pictures);

@@ -3,9 +3,8 @@
 
 use std::borrow::Cow;
 
-use super::capture::Light;
 use super::collect::Collector;
-use super::{Sensor, SensorError};
+use super::{PixelSpectra, Sensor, SensorError};
 use crate::numeric::{Planes, Rect, require};
 use crate::optics::OpticalImage;
 
@@ -20,13 +19,22 @@ pub struct ElectronRates {
 }
 
 impl ElectronRates {
-    /// The rates of light on a sensor.
+    /// The rates of an image on a sensor.
     ///
     /// # Errors
-    /// When the sensor is invalid, a curve does not cover the wavelengths of the light, or the light is that of other pixels.
-    pub fn new<'a>(sensor: &Sensor, light: impl Into<Light<'a>>) -> Result<Self, SensorError> {
+    /// When the sensor is invalid, or a curve does not cover the wavelengths of the image.
+    pub fn new(sensor: &Sensor, image: &OpticalImage) -> Result<Self, SensorError> {
         sensor.validate()?;
-        Ok(Self { window: sensor.unbinned().read_window(), per_s: sensor.electrons(light.into(), 1.0)? })
+        Ok(Self { window: sensor.unbinned().read_window(), per_s: sensor.electrons(image.into(), 1.0)? })
+    }
+
+    /// The rates of photons that stand gathered on the pixels of a sensor.
+    ///
+    /// # Errors
+    /// As [`ElectronRates::new`]; and when the photons are those of other pixels.
+    pub fn of_pixels(sensor: &Sensor, pixels: &PixelSpectra) -> Result<Self, SensorError> {
+        sensor.validate()?;
+        Ok(Self { window: sensor.unbinned().read_window(), per_s: sensor.electrons(pixels.into(), 1.0)? })
     }
 
     /// [`ElectronRates::of_all`] for one group.
