@@ -7,7 +7,7 @@ import { tmpdir } from "node:os";
 import { basename, dirname, extname, join, resolve } from "node:path";
 import { after, before, test } from "node:test";
 import { launch } from "./browser.mjs";
-import { stated, text } from "./studio.mjs";
+import { stated, text, within } from "./studio.mjs";
 
 const here = import.meta.dirname;
 const pages = join(here, "../../crates/smalti-serve/pages/studio");
@@ -15,8 +15,6 @@ const module = process.env.SMALTI_STUDIO_MODULE ?? join(here, "../../crates/smal
 const maker = resolve(process.env.SMALTI_STUDIO_ASSETS ?? join(here, "../../target/debug/examples/studio_assets"));
 const TYPES = { ".js": "text/javascript", ".html": "text/html", ".json": "application/json" };
 const POLICY = "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; worker-src 'self'; connect-src 'self'";
-// All times count. A machine that does something else as well delays some of them: 95 % may take twice as long as the median may.
-const within = (found, limit) => found.median <= limit && found.p95 <= 2 * limit;
 
 let dir;
 let server;

@@ -82,6 +82,7 @@ mod tests {
     use crate::numeric::Planes;
     use crate::sensor::{Mosaic, RawImage, RawSamples, Sampling};
 
+    /// A uniform field counts like an image of it, also where channels clip.
     #[test]
     fn even_fields_are_pictures_of_them() {
         for samples in [[0.31, 0.12, 0.45], [0.3, 1.6, 0.2], [1.2, 2.0, 1.1]] {

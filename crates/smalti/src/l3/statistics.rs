@@ -355,7 +355,6 @@ pub(super) mod tests {
         }
     }
 
-    /// A uniform field counts like an image of it, also where channels clip.
     #[test]
     fn statistics_are_their_parts() {
         let (raw, target) = pair(40, 33, 5);
