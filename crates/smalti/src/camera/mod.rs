@@ -56,6 +56,7 @@ pub use ranges::{KEY_RANGES, KeyRange};
 pub(crate) use score::picture_cpsnr_db;
 pub use score::{PICTURE_METRICS, PictureScores, ScoreSettings, score_picture};
 pub use test_scene::TestScene;
+pub use training::TrainingItem;
 pub(crate) use training::{HIGHEST_CUT, Stand};
 pub use training_set::{
     DEFAULT_TRAINING_LIGHT, NoStoredScenes, StoredTrainingScenes, TRAINING_SET_REVISION, TrainingContent,

@@ -5,7 +5,7 @@ use super::reference::Witness;
 use super::score::limit_brightness;
 use super::{Camera, CameraError, LevelRule, TrainingSettings, TrainingTarget};
 use crate::isp::IspError;
-use crate::l3::{Axes, L3Error, Learner, Levels, Pair, RefinementAxes, Statistics};
+use crate::l3::{Axes, L3Error, Learner, Levels, Pair, RefinementAxes, Statistics, Tiles};
 use crate::numeric::Planes;
 use crate::optics::{Optics, OpticsModel};
 use crate::scene::{self, Scene, Setting};
@@ -26,6 +26,35 @@ const MIN_SEEN: f64 = 0.01;
 pub(crate) const HIGHEST_CUT: f64 = 0.85;
 /// Levels of the second stage.
 const REFINEMENT_LEVELS: usize = 12;
+
+/// A scene in training.
+#[derive(Debug, Clone, Copy)]
+pub struct TrainingItem {
+    /// Identifies the scene, so that every scene has its own noise.
+    number: u64,
+    is_halved: bool,
+}
+
+impl From<u64> for TrainingItem {
+    /// All patches of the scene of a number.
+    fn from(number: u64) -> Self {
+        Self { number, is_halved: false }
+    }
+}
+
+impl TrainingItem {
+    /// The scene of a number, with half of its patches at each exposure: the other half at the next one ([`Tiles`]). In a set of many
+    /// scenes, the rest would teach little that is new.
+    #[must_use]
+    pub fn halved(number: u64) -> Self {
+        Self { number, is_halved: true }
+    }
+
+    /// The tiles to learn from at exposure number `i`.
+    fn tiles(self, i: u64) -> Tiles {
+        if self.is_halved { [Tiles::Even, Tiles::Odd][((self.number ^ i) & 1) as usize] } else { Tiles::All }
+    }
+}
 
 /// A camera before a scene, ready to learn from its light.
 pub(crate) struct Stand {
@@ -52,7 +81,7 @@ impl Stand {
         learner: &mut dyn Learner,
         [rates, witnessed]: &[ElectronRates; 2],
         settings: &TrainingSettings,
-        item: u64,
+        item: TrainingItem,
     ) -> Result<(), CameraError> {
         let Self { camera, exposure, witness, light, .. } = self;
         let seen = witness.seen((witnessed, 1.0))?;
@@ -164,8 +193,7 @@ impl Camera {
         Ok(Statistics::new(self.training_axes(settings, light)?, outputs, false)?.with_white(white))
     }
 
-    /// Adds a scene at every exposure: patches without noise, classified with noise, and their targets. `item` identifies the
-    /// scene, so that every scene has its own noise.
+    /// Adds a scene at every exposure: patches without noise, classified with noise, and their targets.
     ///
     /// # Errors
     /// When a stage fails.
@@ -174,9 +202,9 @@ impl Camera {
         learner: &mut dyn Learner,
         scene: &Scene,
         settings: &TrainingSettings,
-        item: u64,
+        item: impl Into<TrainingItem>,
     ) -> Result<(), CameraError> {
-        let image = self.optics.image(scene)?;
+        let (image, item) = (self.optics.image(scene)?, item.into());
         if settings.has_own_images() {
             let camera = self.with_scene_size(scene)?;
             let exposure = camera.nominal_exposure()?;
@@ -228,7 +256,7 @@ impl Camera {
         SeenScene { rates, target, light }: SeenScene<'_>,
         exposure: &Exposure,
         settings: &TrainingSettings,
-        item: u64,
+        item: TrainingItem,
     ) -> Result<(), CameraError> {
         let (base, bright) = self.bright_response(rates, exposure)?;
         let most = self.knowable_luminance(light)?;
@@ -238,13 +266,13 @@ impl Camera {
         } else {
             settings.exposures.clone()
         };
-        for (i, response) in exposures.into_iter().enumerate() {
+        for (response, i) in exposures.into_iter().zip(0..) {
             let factor = base * response / bright;
             let ideal = self.sensor.capture_ideal((rates, factor), exposure)?;
-            let seed = settings.seed.wrapping_add((item << 16) + i as u64);
+            let seed = settings.seed.wrapping_add((item.number << 16) + i);
             let seen = self.sensor.capture((rates, factor), exposure, NoiseMode::All, seed)?;
             let target = bounded(scaled(target, factor)?, &settings.target, most)?;
-            learner.add(&Pair { raw: &ideal, seen: Some(&seen), target: &target })?;
+            learner.add_tiles(&Pair { raw: &ideal, seen: Some(&seen), target: &target }, item.tiles(i))?;
         }
         Ok(())
     }

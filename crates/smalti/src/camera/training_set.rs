@@ -7,8 +7,9 @@ use crate::color::jakob_hanika2019::Uplift;
 use crate::scene::{Scene, Setting, catalog};
 use crate::spectrum::{Illuminant, Observer, Spectrum, WavelengthGrid, reflectance};
 
-/// Revision of the default training set. It increases when the scenes change, so that cached statistics are not reused.
-pub const TRAINING_SET_REVISION: u32 = 2;
+/// Revision of the default training set. It increases when the scenes or their parts that are learned from change, so that cached
+/// statistics are not reused.
+pub const TRAINING_SET_REVISION: u32 = 3;
 
 /// The illuminant of training where none is given.
 pub const DEFAULT_TRAINING_LIGHT: Illuminant = Illuminant::D65;

@@ -12,7 +12,7 @@ use super::training_statistics::{WhiteIn, ensure_mosaic, fresh_statistics, secon
 use super::{ExperimentError, Resources};
 use crate::camera::stable_text::stable_text;
 use crate::camera::{
-    Camera, CameraDescription, CameraError, Stand, StoredTrainingScenes, TRAINING_SET_REVISION,
+    Camera, CameraDescription, CameraError, Stand, StoredTrainingScenes, TRAINING_SET_REVISION, TrainingItem,
     TrainingScene, TrainingSettings, training_reflectances, training_scenes,
 };
 use crate::l3::{self, Learner, Pipeline, Quality, Statistics, Training};
@@ -247,6 +247,7 @@ fn add_scene<L: Learner>(
         ExperimentError::stage(format!("scene {}", scene.content), e).of_camera(of.label)
     };
     let Some(first) = group.first().map(|g| g.of) else { return Ok(()) };
+    let item = TrainingItem::halved(item);
     group.iter_mut().for_each(|g| g.learner.weigh(scene.content.times()));
     let Some(image) = image else {
         return group.par_iter_mut().try_for_each(|g| {

@@ -4,8 +4,8 @@ use super::error::StageContext;
 use super::progress::ensure_running;
 use super::{ExperimentError, Progress};
 use crate::camera::{
-    Camera, CameraError, DEFAULT_TRAINING_LIGHT, StoredTrainingScenes, TrainingScene, TrainingSettings,
-    training_reflectances, training_scenes,
+    Camera, CameraError, DEFAULT_TRAINING_LIGHT, StoredTrainingScenes, TrainingItem, TrainingScene,
+    TrainingSettings, training_reflectances, training_scenes,
 };
 use crate::l3::Learner;
 use crate::scene::Scene;
@@ -92,26 +92,31 @@ pub(super) fn add_scenes(
     progress: &dyn Progress,
 ) -> Result<(), ExperimentError> {
     let is_local = learner.learns_local_light();
-    let mut learn = |item: u64, name: &str, scene: &dyn Fn() -> Result<Scene, CameraError>| {
-        ensure_running(progress)?;
-        let short = name.split('?').next().unwrap_or(name);
-        progress.begin(&format!("training {label}: {short}"));
-        let added = scene().and_then(|scene| camera.train_on(learner, &scene, settings, item));
-        added.in_context(|| format!("scene {name}"))?;
-        progress.done();
-        Ok(())
-    };
+    let mut learn =
+        |item: TrainingItem, times, name: &str, scene: &dyn Fn() -> Result<Scene, CameraError>| {
+            ensure_running(progress)?;
+            learner.weigh(times);
+            let short = name.split('?').next().unwrap_or(name);
+            progress.begin(&format!("training {label}: {short}"));
+            let added = scene().and_then(|scene| camera.train_on(learner, &scene, settings, item));
+            added.in_context(|| format!("scene {name}"))?;
+            progress.done();
+            Ok(())
+        };
     match material {
         TrainingMaterial::DefaultSet(lights, stored) => {
             let scenes = training_scenes(lights, *stored);
             let reflectances = training_reflectances(camera.grid()).in_context(|| label.to_owned())?;
             let built = |s: &TrainingScene| built(s, camera, &reflectances, *stored, is_local);
             let mut scenes = scenes.iter().zip(0..);
-            scenes.try_for_each(|(s, item)| learn(item, &s.content.to_string(), &|| built(s)))
+            scenes.try_for_each(|(s, number)| {
+                let (item, name) = (TrainingItem::halved(number), s.content.to_string());
+                learn(item, s.content.times(), &name, &|| built(s))
+            })
         }
         TrainingMaterial::Scenes(scenes) => scenes.iter().enumerate().try_for_each(|(place, s)| {
             let before = scenes.iter().take(place).filter(|other| other.name == s.name).count();
-            learn(item_of(&s.name, before), &s.name, &|| Ok(s.scene.clone()))
+            learn(item_of(&s.name, before).into(), 1, &s.name, &|| Ok(s.scene.clone()))
         }),
     }
 }
@@ -139,7 +144,84 @@ fn item_of(name: &str, before: usize) -> u64 {
 
 #[cfg(test)]
 mod tests {
-    use super::item_of;
+    use super::*;
+    use crate::camera::CameraDescription;
+    use crate::experiment::Silent;
+    use crate::l3::{Axes, L3Error, Pair, Tiles};
+    use crate::scene::{self, Setting};
+    use crate::spectrum::WavelengthGrid;
+
+    /// Records what it is given: how many times each pair counts, and its tiles.
+    struct Record {
+        axes: Axes,
+        times: u32,
+        given: Vec<(u32, Tiles)>,
+    }
+
+    impl Learner for Record {
+        fn axes(&self) -> &Axes {
+            &self.axes
+        }
+
+        fn add_tiles(&mut self, _: &Pair<'_>, tiles: Tiles) -> Result<(), L3Error> {
+            self.given.push((self.times, tiles));
+            Ok(())
+        }
+
+        fn weigh(&mut self, times: u32) {
+            self.times = times;
+        }
+    }
+
+    /// A uniform scene besides those of the catalogue.
+    struct Grey;
+
+    impl StoredTrainingScenes for Grey {
+        fn names(&self) -> Vec<&'static str> {
+            vec!["grey"]
+        }
+
+        fn load(&self, _: &str, grid: WavelengthGrid, _: &[Spectrum]) -> Result<Scene, String> {
+            scene::uniform(32, 32, &Setting { grid, ..Setting::default() }).map_err(|e| e.to_string())
+        }
+    }
+
+    /// Coarse, for speed.
+    fn grid() -> WavelengthGrid {
+        WavelengthGrid::new(400.0, 30.0, 11).unwrap()
+    }
+
+    fn given(material: &TrainingMaterial<'_>) -> Vec<(u32, Tiles)> {
+        let camera = Camera::new(CameraDescription::default(), grid()).unwrap();
+        let settings = TrainingSettings { exposures: vec![0.5, 0.2, 0.1], ..TrainingSettings::default() };
+        let light = DEFAULT_TRAINING_LIGHT.photons(grid()).unwrap();
+        let axes = camera.training_axes(&settings, &light).unwrap();
+        let mut record = Record { axes, times: 7, given: Vec::new() };
+        add_scenes(&camera, "a", &settings, material, &mut record, &Silent).unwrap();
+        record.given
+    }
+
+    /// Scenes of the default set are learned from by halves, and the stored ones count more than once.
+    #[test]
+    fn the_default_set_is_halved_and_weighed() {
+        let halves = [Tiles::Even, Tiles::Odd, Tiles::Even, Tiles::Odd];
+        let last = training_scenes(&[], &Grey).len() - 1;
+        let of = |scene: usize| {
+            let times = if scene == last { 4 } else { 1 };
+            halves[scene % 2..][..3].iter().map(move |tiles| (times, *tiles))
+        };
+        let expected: Vec<_> = (0..=last).flat_map(of).collect();
+        assert_eq!(given(&TrainingMaterial::DefaultSet(&[], &Grey)), expected);
+    }
+
+    /// Given scenes may be few: all of their patches are learned from.
+    #[test]
+    fn given_scenes_are_learned_from_as_a_whole() {
+        let scene = Grey.load("", grid(), &[]).unwrap();
+        let named = |name: &str| NamedScene { name: name.into(), scene: scene.clone() };
+        let scenes = [named("a"), named("b")];
+        assert_eq!(given(&TrainingMaterial::Scenes(&scenes)), [(1, Tiles::All); 6]);
+    }
 
     #[test]
     fn the_number_of_a_scene_depends_on_its_name_alone() {

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 
 use super::classify::{Classifier, RowClasses};
 use super::window::Window;
-use super::{Axes, ClassKey, Moments, Pair};
+use super::{Axes, ClassKey, Moments, Pair, Tiles};
 use crate::isp::source::Source;
 use crate::numeric::products::{LANES, add_products};
 use crate::numeric::simd::{Kernel, dispatch};
@@ -37,6 +37,7 @@ pub(super) struct Gatherer<'a> {
     outputs: usize,
     classifier: Classifier,
     pair: &'a Pair<'a>,
+    tiles: Tiles,
     phase: [usize; 2],
 }
 
@@ -51,8 +52,13 @@ struct ClassifiedPixels {
 
 impl<'a> Gatherer<'a> {
     /// `phase` is the position of the first pixel in the tile.
-    pub(super) fn new(axes: &'a Axes, outputs: usize, pair: &'a Pair<'a>, phase: [usize; 2]) -> Self {
-        Self { axes, outputs, classifier: Classifier::new(axes), pair, phase }
+    pub(super) fn new(
+        axes: &'a Axes,
+        outputs: usize,
+        (pair, tiles): (&'a Pair<'a>, Tiles),
+        phase: [usize; 2],
+    ) -> Self {
+        Self { axes, outputs, classifier: Classifier::new(axes), pair, tiles, phase }
     }
 
     /// Bands of the rows whose patches lie within the image.
@@ -165,22 +171,29 @@ impl<'a> Gatherer<'a> {
         let mut open: Vec<u64> = Vec::with_capacity(rows.len() * cols);
         let mut by_saturation: BTreeMap<u32, Vec<u64>> = BTreeMap::new();
         for row in rows.clone() {
-            let down = (self.phase[0] + first + row) % tile[0];
+            let at = self.phase[0] + first + row;
+            let (tile_row, down) = (at / tile[0], at % tile[0]);
             let inner = half..cols - half;
             self.classifier.row(window, row - rows.start, [down, self.phase[1]], 0..cols, classes);
             let here = down * tile[1];
-            let mut right = (self.phase[1] + half) % tile[1];
+            let at = self.phase[1] + half;
+            let (mut tile_col, mut right) = (at / tile[1], at % tile[1]);
             let pixels = (row * cols) as u64;
             for col in inner {
-                let range = &mut trained[here + right];
-                *range = [range[0].min(classes.mean[col]), range[1].max(classes.mean[col])];
-                let number = (here + right) as u64 * locals + u64::from(classes.local[col]);
-                let entry = number << 32 | (pixels + col as u64);
-                match classes.saturation[col] {
-                    0 => open.push(entry),
-                    clipped => by_saturation.entry(clipped).or_default().push(entry),
+                if self.tiles.contains(tile_row, tile_col) {
+                    let range = &mut trained[here + right];
+                    *range = [range[0].min(classes.mean[col]), range[1].max(classes.mean[col])];
+                    let number = (here + right) as u64 * locals + u64::from(classes.local[col]);
+                    let entry = number << 32 | (pixels + col as u64);
+                    match classes.saturation[col] {
+                        0 => open.push(entry),
+                        clipped => by_saturation.entry(clipped).or_default().push(entry),
+                    }
                 }
-                right = if right + 1 == tile[1] { 0 } else { right + 1 };
+                right += 1;
+                if right == tile[1] {
+                    (tile_col, right) = (tile_col + 1, 0);
+                }
             }
         }
         if !open.is_empty() {
@@ -355,7 +368,7 @@ mod tests {
         let raw = RawImage::new(rows, cols, samples, sampling, names, 0.0, 1.0).unwrap();
         let target = Planes::zeros(rows, cols, 1);
         let pair = Pair { raw: &raw, seen: None, target: &target };
-        let gatherer = Gatherer::new(&axes, 1, &pair, phase);
+        let gatherer = Gatherer::new(&axes, 1, (&pair, Tiles::All), phase);
         let mut seen = vec![0; rows * cols];
         for band in gatherer.bands() {
             for (saturation, list) in gatherer.sorted(&band).into_iter().flat_map(|part| part.by_saturation) {

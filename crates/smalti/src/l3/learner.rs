@@ -1,6 +1,6 @@
 //! What learns from pairs.
 
-use super::{Axes, L3Error, Pair, Pipeline, RefinementStatistics, Statistics};
+use super::{Axes, L3Error, Pair, Pipeline, RefinementStatistics, Statistics, Tiles};
 
 /// Accumulates what a stage of a pipeline is learned from.
 pub trait Learner: Send {
@@ -11,7 +11,15 @@ pub trait Learner: Send {
     ///
     /// # Errors
     /// When sizes, mosaics or levels do not match, or a value is not finite.
-    fn add(&mut self, pair: &Pair<'_>) -> Result<(), L3Error>;
+    fn add(&mut self, pair: &Pair<'_>) -> Result<(), L3Error> {
+        self.add_tiles(pair, Tiles::All)
+    }
+
+    /// Adds a pair of which some tiles suffice. A learner may use all of them.
+    ///
+    /// # Errors
+    /// As [`Learner::add`].
+    fn add_tiles(&mut self, pair: &Pair<'_>, tiles: Tiles) -> Result<(), L3Error>;
 
     /// States how many times the pairs that follow count. A learner may ignore it.
     fn weigh(&mut self, _times: u32) {}
@@ -27,8 +35,8 @@ impl Learner for Statistics {
         Self::axes(self)
     }
 
-    fn add(&mut self, pair: &Pair<'_>) -> Result<(), L3Error> {
-        Self::add(self, pair)
+    fn add_tiles(&mut self, pair: &Pair<'_>, tiles: Tiles) -> Result<(), L3Error> {
+        Self::add_tiles(self, pair, tiles)
     }
 }
 
@@ -65,7 +73,8 @@ impl Learner for SecondStage<'_> {
         self.pipeline.axes()
     }
 
-    fn add(&mut self, pair: &Pair<'_>) -> Result<(), L3Error> {
+    /// Its classes are many, and half of the pixels would cost 0.03 dB.
+    fn add_tiles(&mut self, pair: &Pair<'_>, _: Tiles) -> Result<(), L3Error> {
         let picture = self.pipeline.render_raw(pair.seen.unwrap_or(pair.raw))?.planes;
         self.statistics.add(&picture, pair.target, self.times)
     }

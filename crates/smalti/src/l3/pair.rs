@@ -15,3 +15,27 @@ pub struct Pair<'a> {
     /// One plane per output, of the size of the raw image, with finite values.
     pub target: &'a Planes,
 }
+
+/// The tiles of the mosaic whose patches are learned from. Neighbouring patches overlap and teach nearly the same, so that an image
+/// which is learned from at several exposures needs only half of them at each.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Tiles {
+    /// All.
+    #[default]
+    All,
+    /// One half, as the squares of one colour of a chessboard: those whose numbers of row and column have an even sum.
+    Even,
+    /// The other half.
+    Odd,
+}
+
+impl Tiles {
+    /// Whether the tile in a row and a column of tiles is one of them.
+    pub(super) fn contains(self, row: usize, col: usize) -> bool {
+        match self {
+            Self::All => true,
+            Self::Even => (row + col).is_multiple_of(2),
+            Self::Odd => !(row + col).is_multiple_of(2),
+        }
+    }
+}

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::error::ensure_finite;
 use super::gather::Gatherer;
-use super::{Axes, ClassKey, L3Error, Moments, Pair};
+use super::{Axes, ClassKey, L3Error, Moments, Pair, Tiles};
 use crate::sensor::{Cfa, Mosaic, RawImage, Sampling};
 
 /// Moments of every class in the training data. Equal pairs in equal order give equal bits for any number of
@@ -190,8 +190,16 @@ impl Statistics {
     /// When sizes, mosaics or levels do not match earlier pairs, the image is smaller than patch or tile, or
     /// a value is not finite. The statistics are then unchanged.
     pub fn add(&mut self, pair: &Pair<'_>) -> Result<(), L3Error> {
+        self.add_tiles(pair, Tiles::All)
+    }
+
+    /// Adds the patches around the pixels of some tiles that lie completely within the image.
+    ///
+    /// # Errors
+    /// As [`Statistics::add`].
+    pub fn add_tiles(&mut self, pair: &Pair<'_>, tiles: Tiles) -> Result<(), L3Error> {
         let phase = self.check(pair)?;
-        let gatherer = Gatherer::new(&self.axes, self.outputs.len(), pair, phase);
+        let gatherer = Gatherer::new(&self.axes, self.outputs.len(), (pair, tiles), phase);
         for band in gatherer.bands() {
             gatherer.add(band, &mut self.trained, &mut self.classes);
         }
@@ -349,6 +357,37 @@ pub(super) mod tests {
         assert_eq!(whole.count(), parts.count());
         for (key, moments) in whole.classes() {
             let other = &parts.classes()[key];
+            for (a, b) in moments.sums().iter().zip(other.sums()) {
+                assert!((a - b).abs() <= 1e-12 * a.abs(), "{key:?}");
+            }
+        }
+    }
+
+    /// Every patch belongs to one of the halves, and each position of the tile has as many in both.
+    #[test]
+    fn halves_merge_to_the_whole() {
+        // One column more than whole tiles, so that the tiles at the right are cut.
+        let (raw, target) = pair(140, 61, 4);
+        let gather = |tiles| {
+            let mut s = Statistics::new(axes(), vec!["a".into(), "b".into()], true).unwrap();
+            s.add_tiles(&Pair { raw: &raw, seen: None, target: &target }, tiles).unwrap();
+            s
+        };
+        let (whole, even, odd) = (gather(Tiles::All), gather(Tiles::Even), gather(Tiles::Odd));
+        let at = |s: &Statistics, position: u32| {
+            let classes = s.classes().iter().filter(|(key, _)| key.position == position);
+            classes.map(|(_, m)| m.count()).sum::<u64>()
+        };
+        for position in 0..4 {
+            let [all, even, odd] = [&whole, &even, &odd].map(|s| at(s, position));
+            assert!(even + odd == all && even.abs_diff(odd) <= all / 20, "{position}: {even} and {odd}");
+        }
+        let mut merged = even;
+        merged.merge(&odd).unwrap();
+        assert_eq!(merged.trained(), whole.trained());
+        for (key, moments) in whole.classes() {
+            let other = &merged.classes()[key];
+            assert_eq!(moments.count(), other.count());
             for (a, b) in moments.sums().iter().zip(other.sums()) {
                 assert!((a - b).abs() <= 1e-12 * a.abs(), "{key:?}");
             }
