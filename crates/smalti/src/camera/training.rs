@@ -44,7 +44,8 @@ impl From<u64> for TrainingItem {
 
 impl TrainingItem {
     /// The scene of a number, with half of its patches at each exposure: the other half at the next one ([`Tiles`]). In a set of many
-    /// scenes, the rest would teach little that is new.
+    /// scenes, the rest would teach little that is new. Scenes of even and of odd numbers begin with different halves, so that no
+    /// exposure is learned from one half alone.
     #[must_use]
     pub fn halved(number: u64) -> Self {
         Self { number, is_halved: true }
