@@ -73,7 +73,7 @@ impl Learner for SecondStage<'_> {
         self.pipeline.axes()
     }
 
-    /// Its classes are many, and half of the pixels would cost 0.03 dB.
+    /// Its classes are many, and half of the pixels would cost up to 0.05 dB.
     fn add_tiles(&mut self, pair: &Pair<'_>, _: Tiles) -> Result<(), L3Error> {
         let picture = self.pipeline.render_raw(pair.seen.unwrap_or(pair.raw))?.planes;
         self.statistics.add(&picture, pair.target, self.times)
