@@ -5,7 +5,7 @@ use super::reference::Witness;
 use super::score::limit_brightness;
 use super::{Camera, CameraError, LevelRule, TrainingSettings, TrainingTarget};
 use crate::isp::IspError;
-use crate::l3::{Axes, L3Error, Learner, Levels, Pair, RefinementAxes, Statistics, Tiles};
+use crate::l3::{Axes, L3Error, Learner, Levels, Pair, RefinementAxes, Share, Statistics, Tiles};
 use crate::numeric::Planes;
 use crate::optics::{Optics, OpticsModel};
 use crate::scene::{self, Scene, Setting};
@@ -32,28 +32,29 @@ const REFINEMENT_LEVELS: usize = 12;
 pub struct TrainingItem {
     /// Identifies the scene, so that every scene has its own noise.
     number: u64,
+    times: u32,
     is_halved: bool,
 }
 
 impl From<u64> for TrainingItem {
-    /// All patches of the scene of a number.
+    /// All patches of the scene of a number, which counts once.
     fn from(number: u64) -> Self {
-        Self { number, is_halved: false }
+        Self { number, times: 1, is_halved: false }
     }
 }
 
 impl TrainingItem {
-    /// The scene of a number, with half of its patches at each exposure: the other half at the next one ([`Tiles`]). In a set of many
+    /// The scene of a number, which counts several times, with half of its patches at each exposure: the other half at the next one ([`Tiles`]). In a set of many
     /// scenes, the rest would teach little that is new. Scenes of even and of odd numbers begin with different halves, so that no
     /// exposure is learned from one half alone.
-    #[must_use]
-    pub fn halved(number: u64) -> Self {
-        Self { number, is_halved: true }
+    pub(super) fn halved(number: u64, times: u32) -> Self {
+        Self { number, times, is_halved: true }
     }
 
-    /// The tiles to learn from at exposure number `i`.
-    fn tiles(self, i: u64) -> Tiles {
-        if self.is_halved { [Tiles::Even, Tiles::Odd][((self.number ^ i) & 1) as usize] } else { Tiles::All }
+    /// What to learn from at exposure number `i`.
+    fn share(self, i: u64) -> Share {
+        let half = [Tiles::Even, Tiles::Odd][((self.number ^ i) & 1) as usize];
+        Share { tiles: if self.is_halved { half } else { Tiles::All }, times: self.times }
     }
 }
 
@@ -273,7 +274,7 @@ impl Camera {
             let seed = settings.seed.wrapping_add((item.number << 16) + i);
             let seen = self.sensor.capture((rates, factor), exposure, NoiseMode::All, seed)?;
             let target = bounded(scaled(target, factor)?, &settings.target, most)?;
-            learner.add_tiles(&Pair { raw: &ideal, seen: Some(&seen), target: &target }, item.tiles(i))?;
+            learner.add_share(&Pair { raw: &ideal, seen: Some(&seen), target: &target }, item.share(i))?;
         }
         Ok(())
     }

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::{Camera, CameraError};
+use super::{Camera, CameraError, TrainingItem};
 use crate::color::jakob_hanika2019::Uplift;
 use crate::scene::{Scene, Setting, catalog};
 use crate::spectrum::{Illuminant, Observer, Spectrum, WavelengthGrid, reflectance};
@@ -139,14 +139,6 @@ impl fmt::Display for TrainingContent {
 const STORED_TIMES: u32 = 4;
 
 impl TrainingContent {
-    /// How many times the pairs of the scene count for a learner that weighs scenes.
-    pub(crate) fn times(&self) -> u32 {
-        match self {
-            Self::Catalog(_) => 1,
-            Self::Stored(_) => STORED_TIMES,
-        }
-    }
-
     /// The name without parameters.
     #[must_use]
     pub fn name(&self) -> &str {
@@ -165,6 +157,16 @@ pub(crate) fn dead_leaves(i: usize, n: usize) -> String {
 }
 
 impl TrainingScene {
+    /// The scene in training, by its number in the set.
+    #[must_use]
+    pub fn item(&self, number: u64) -> TrainingItem {
+        let times = match self.content {
+            TrainingContent::Catalog(_) => 1,
+            TrainingContent::Stored(_) => STORED_TIMES,
+        };
+        TrainingItem::halved(number, times)
+    }
+
     /// Builds the scene with the field of view that it needs on a camera. `reflectances` are those of [`training_reflectances`] on
     /// the wavelengths of the camera; `stored` are the scenes that were given to [`training_scenes`].
     ///

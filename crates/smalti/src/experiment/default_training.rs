@@ -12,7 +12,7 @@ use super::training_statistics::{WhiteIn, ensure_mosaic, fresh_statistics, secon
 use super::{ExperimentError, Resources};
 use crate::camera::stable_text::stable_text;
 use crate::camera::{
-    Camera, CameraDescription, CameraError, Stand, StoredTrainingScenes, TRAINING_SET_REVISION, TrainingItem,
+    Camera, CameraDescription, CameraError, Stand, StoredTrainingScenes, TRAINING_SET_REVISION,
     TrainingScene, TrainingSettings, training_reflectances, training_scenes,
 };
 use crate::l3::{self, Learner, Pipeline, Quality, Statistics, Training};
@@ -219,7 +219,7 @@ fn add_default_set<L: Learner>(
         };
         let mut upcoming = scenes.iter().map(|scene| (scene, prepared(scene)));
         let mut next = upcoming.next();
-        let mut item = 0;
+        let mut number = 0;
         while let Some((scene, ready)) = next {
             ensure_running(progress)?;
             let of = if count == 1 { first.label.to_owned() } else { format!("{count} pipelines") };
@@ -227,9 +227,9 @@ fn add_default_set<L: Learner>(
             let ready = ready?;
             // The next scene is prepared while the current one is learned from, because both have single-threaded parts.
             let (added, following) =
-                rayon::join(|| add_scene(group, (scene, &ready), settings, item), || upcoming.next());
+                rayon::join(|| add_scene(group, (scene, &ready), settings, number), || upcoming.next());
             added?;
-            (next, item) = (following, item + 1);
+            (next, number) = (following, number + 1);
             progress.done();
         }
     }
@@ -241,14 +241,13 @@ fn add_scene<L: Learner>(
     group: &mut [&mut Gathering<'_, L>],
     (scene, (built, image)): (&TrainingScene, &(Scene, Option<OpticalImage>)),
     settings: &TrainingSettings,
-    item: u64,
+    number: u64,
 ) -> Result<(), ExperimentError> {
     let failed = |e: CameraError, of: &DefaultTraining<'_>| {
         ExperimentError::stage(format!("scene {}", scene.content), e).of_camera(of.label)
     };
     let Some(first) = group.first().map(|g| g.of) else { return Ok(()) };
-    let item = TrainingItem::halved(item);
-    group.iter_mut().for_each(|g| g.learner.weigh(scene.content.times()));
+    let item = scene.item(number);
     let Some(image) = image else {
         return group.par_iter_mut().try_for_each(|g| {
             let relit =

@@ -92,31 +92,26 @@ pub(super) fn add_scenes(
     progress: &dyn Progress,
 ) -> Result<(), ExperimentError> {
     let is_local = learner.learns_local_light();
-    let mut learn =
-        |item: TrainingItem, times, name: &str, scene: &dyn Fn() -> Result<Scene, CameraError>| {
-            ensure_running(progress)?;
-            learner.weigh(times);
-            let short = name.split('?').next().unwrap_or(name);
-            progress.begin(&format!("training {label}: {short}"));
-            let added = scene().and_then(|scene| camera.train_on(learner, &scene, settings, item));
-            added.in_context(|| format!("scene {name}"))?;
-            progress.done();
-            Ok(())
-        };
+    let mut learn = |item: TrainingItem, name: &str, scene: &dyn Fn() -> Result<Scene, CameraError>| {
+        ensure_running(progress)?;
+        let short = name.split('?').next().unwrap_or(name);
+        progress.begin(&format!("training {label}: {short}"));
+        let added = scene().and_then(|scene| camera.train_on(learner, &scene, settings, item));
+        added.in_context(|| format!("scene {name}"))?;
+        progress.done();
+        Ok(())
+    };
     match material {
         TrainingMaterial::DefaultSet(lights, stored) => {
             let scenes = training_scenes(lights, *stored);
             let reflectances = training_reflectances(camera.grid()).in_context(|| label.to_owned())?;
             let built = |s: &TrainingScene| built(s, camera, &reflectances, *stored, is_local);
             let mut scenes = scenes.iter().zip(0..);
-            scenes.try_for_each(|(s, number)| {
-                let (item, name) = (TrainingItem::halved(number), s.content.to_string());
-                learn(item, s.content.times(), &name, &|| built(s))
-            })
+            scenes.try_for_each(|(s, number)| learn(s.item(number), &s.content.to_string(), &|| built(s)))
         }
         TrainingMaterial::Scenes(scenes) => scenes.iter().enumerate().try_for_each(|(place, s)| {
             let before = scenes.iter().take(place).filter(|other| other.name == s.name).count();
-            learn(item_of(&s.name, before).into(), 1, &s.name, &|| Ok(s.scene.clone()))
+            learn(item_of(&s.name, before).into(), &s.name, &|| Ok(s.scene.clone()))
         }),
     }
 }
@@ -147,15 +142,14 @@ mod tests {
     use super::*;
     use crate::camera::CameraDescription;
     use crate::experiment::Silent;
-    use crate::l3::{Axes, L3Error, Pair, Tiles};
+    use crate::l3::{Axes, L3Error, Pair, Share, Tiles};
     use crate::scene::{self, Setting};
     use crate::spectrum::WavelengthGrid;
 
-    /// Records what it is given: how many times each pair counts, and its tiles.
+    /// Records the shares that it is given.
     struct Record {
         axes: Axes,
-        times: u32,
-        given: Vec<(u32, Tiles)>,
+        given: Vec<Share>,
     }
 
     impl Learner for Record {
@@ -163,13 +157,9 @@ mod tests {
             &self.axes
         }
 
-        fn add_tiles(&mut self, _: &Pair<'_>, tiles: Tiles) -> Result<(), L3Error> {
-            self.given.push((self.times, tiles));
+        fn add_share(&mut self, _: &Pair<'_>, share: Share) -> Result<(), L3Error> {
+            self.given.push(share);
             Ok(())
-        }
-
-        fn weigh(&mut self, times: u32) {
-            self.times = times;
         }
     }
 
@@ -191,12 +181,12 @@ mod tests {
         WavelengthGrid::new(400.0, 30.0, 11).unwrap()
     }
 
-    fn given(material: &TrainingMaterial<'_>) -> Vec<(u32, Tiles)> {
+    fn given(material: &TrainingMaterial<'_>) -> Vec<Share> {
         let camera = Camera::new(CameraDescription::default(), grid()).unwrap();
         let settings = TrainingSettings { exposures: vec![0.5, 0.2, 0.1], ..TrainingSettings::default() };
         let light = DEFAULT_TRAINING_LIGHT.photons(grid()).unwrap();
         let axes = camera.training_axes(&settings, &light).unwrap();
-        let mut record = Record { axes, times: 7, given: Vec::new() };
+        let mut record = Record { axes, given: Vec::new() };
         add_scenes(&camera, "a", &settings, material, &mut record, &Silent).unwrap();
         record.given
     }
@@ -208,7 +198,7 @@ mod tests {
         let last = training_scenes(&[], &Grey).len() - 1;
         let of = |scene: usize| {
             let times = if scene == last { 4 } else { 1 };
-            halves[scene % 2..][..3].iter().map(move |tiles| (times, *tiles))
+            halves[scene % 2..][..3].iter().map(move |&tiles| Share { tiles, times })
         };
         let expected: Vec<_> = (0..=last).flat_map(of).collect();
         assert_eq!(given(&TrainingMaterial::DefaultSet(&[], &Grey)), expected);
@@ -220,7 +210,7 @@ mod tests {
         let scene = Grey.load("", grid(), &[]).unwrap();
         let named = |name: &str| NamedScene { name: name.into(), scene: scene.clone() };
         let scenes = [named("a"), named("b")];
-        assert_eq!(given(&TrainingMaterial::Scenes(&scenes)), [(1, Tiles::All); 6]);
+        assert_eq!(given(&TrainingMaterial::Scenes(&scenes)), [Share::WHOLE; 6]);
     }
 
     #[test]

@@ -61,7 +61,7 @@ pub(super) fn second_stage<'a>(
         WhiteIn::Samples(mean) => camera.refinement_axes_at(mean),
     };
     let axes = axes.in_context(|| "learning".into())?;
-    Ok(SecondStage::new(pipeline, RefinementStatistics::new(axes)))
+    Ok(SecondStage { pipeline, statistics: RefinementStatistics::new(axes) })
 }
 
 /// Empty statistics for pairs of raw files and pictures: the raw images are noisy, and the pictures have the white of sRGB.

@@ -1,6 +1,6 @@
 //! What learns from pairs.
 
-use super::{Axes, L3Error, Pair, Pipeline, RefinementStatistics, Statistics, Tiles};
+use super::{Axes, L3Error, Pair, Pipeline, RefinementStatistics, Share, Statistics};
 
 /// Accumulates what a stage of a pipeline is learned from.
 pub trait Learner: Send {
@@ -12,17 +12,14 @@ pub trait Learner: Send {
     /// # Errors
     /// When sizes, mosaics or levels do not match, or a value is not finite.
     fn add(&mut self, pair: &Pair<'_>) -> Result<(), L3Error> {
-        self.add_tiles(pair, Tiles::All)
+        self.add_share(pair, Share::WHOLE)
     }
 
-    /// Adds a pair of which some tiles suffice. A learner may use all of them.
+    /// Adds a share of a pair. A learner may use more tiles, and may count every pair once.
     ///
     /// # Errors
     /// As [`Learner::add`].
-    fn add_tiles(&mut self, pair: &Pair<'_>, tiles: Tiles) -> Result<(), L3Error>;
-
-    /// States how many times the pairs that follow count. A learner may ignore it.
-    fn weigh(&mut self, _times: u32) {}
+    fn add_share(&mut self, pair: &Pair<'_>, share: Share) -> Result<(), L3Error>;
 
     /// Whether it is to learn from scenes in their local light, which differs from that of the whole scene in colour.
     fn learns_local_light(&self) -> bool {
@@ -35,8 +32,9 @@ impl Learner for Statistics {
         Self::axes(self)
     }
 
-    fn add_tiles(&mut self, pair: &Pair<'_>, tiles: Tiles) -> Result<(), L3Error> {
-        Self::add_tiles(self, pair, tiles)
+    /// Every pair counts once.
+    fn add_share(&mut self, pair: &Pair<'_>, share: Share) -> Result<(), L3Error> {
+        self.add_tiles(pair, share.tiles)
     }
 }
 
@@ -47,16 +45,9 @@ pub struct SecondStage<'a> {
     pub pipeline: &'a Pipeline,
     /// What is learned so far.
     pub statistics: RefinementStatistics,
-    times: u32,
 }
 
-impl<'a> SecondStage<'a> {
-    /// Without a picture.
-    #[must_use]
-    pub fn new(pipeline: &'a Pipeline, statistics: RefinementStatistics) -> Self {
-        Self { pipeline, statistics, times: 1 }
-    }
-
+impl SecondStage<'_> {
     /// The pipeline of both stages.
     ///
     /// # Errors
@@ -73,14 +64,10 @@ impl Learner for SecondStage<'_> {
         self.pipeline.axes()
     }
 
-    /// Its classes are many, and half of the pixels would cost up to 0.05 dB.
-    fn add_tiles(&mut self, pair: &Pair<'_>, _: Tiles) -> Result<(), L3Error> {
+    /// All tiles are learned from: the classes are many, and half of the pixels would cost up to 0.05 dB.
+    fn add_share(&mut self, pair: &Pair<'_>, share: Share) -> Result<(), L3Error> {
         let picture = self.pipeline.render_raw(pair.seen.unwrap_or(pair.raw))?.planes;
-        self.statistics.add(&picture, pair.target, self.times)
-    }
-
-    fn weigh(&mut self, times: u32) {
-        self.times = times;
+        self.statistics.add(&picture, pair.target, share.times)
     }
 
     fn learns_local_light(&self) -> bool {

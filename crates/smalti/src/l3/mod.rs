@@ -58,7 +58,7 @@ pub use learner::{Learner, SecondStage};
 pub use levels::Levels;
 pub use moments::Moments;
 pub use multiply_adds::MultiplyAdds;
-pub use pair::{Pair, Tiles};
+pub use pair::{Pair, Share, Tiles};
 pub use pipeline::{Class, Kernels, Origin, Pipeline, PipelineParts};
 pub use refine::{
     FixedRefinement, Polynomial, REFINEMENT_INPUTS, REFINEMENT_LANES, REFINEMENT_LINEAR_INPUTS,

@@ -18,10 +18,9 @@ pub struct Pair<'a> {
 
 /// The tiles of the mosaic whose patches are learned from. Neighbouring patches overlap and teach nearly the same, so that an image
 /// which is learned from at several exposures needs only half of them at each.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Tiles {
     /// All.
-    #[default]
     All,
     /// One half, as the squares of one colour of a chessboard: those whose numbers of row and column have an even sum.
     Even,
@@ -38,4 +37,18 @@ impl Tiles {
             Self::Odd => !(row + col).is_multiple_of(2),
         }
     }
+}
+
+/// What a pair gives to learn from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Share {
+    /// The tiles that suffice.
+    pub tiles: Tiles,
+    /// How many times the pair counts.
+    pub times: u32,
+}
+
+impl Share {
+    /// All tiles, once.
+    pub const WHOLE: Self = Self { tiles: Tiles::All, times: 1 };
 }

@@ -308,7 +308,7 @@ fn a_second_stage_sees_through_the_noise() {
     }
     let fast = Training::default().solve(&statistics, String::new()).unwrap();
     let statistics = RefinementStatistics::new(camera.refinement_axes(&light).unwrap());
-    let mut second = SecondStage::new(&fast, statistics);
+    let mut second = SecondStage { pipeline: &fast, statistics };
     for seed in 1..=4 {
         camera.train_on(&mut second, &patches(&camera, seed), &settings, seed).unwrap();
     }
