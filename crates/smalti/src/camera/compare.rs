@@ -195,7 +195,7 @@ impl IntegratedScene {
         let Setup { camera, image, .. } = &setup;
         let witness = camera.witness(&camera.observer_channels()?)?;
         let [rates, witnessed] = ElectronRates::of_each([&camera.sensor, &witness.sensor], image)?;
-        let seen = witness.seen((&witnessed, 1.0))?;
+        let (rates, seen) = (rates.with_pattern_of(&camera.sensor), witness.seen((&witnessed, 1.0))?);
         Ok(Self { setup, rates, seen })
     }
 

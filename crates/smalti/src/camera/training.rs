@@ -81,12 +81,13 @@ impl Stand {
     pub(crate) fn learn(
         &self,
         learner: &mut dyn Learner,
-        [rates, witnessed]: &[ElectronRates; 2],
+        [rates, witnessed]: [ElectronRates; 2],
         settings: &TrainingSettings,
         item: TrainingItem,
     ) -> Result<(), CameraError> {
         let Self { camera, exposure, witness, light, .. } = self;
-        let seen = witness.seen((witnessed, 1.0))?;
+        let rates = &rates.with_pattern_of(&self.sensor);
+        let seen = witness.seen((&witnessed, 1.0))?;
         let target = &camera.target_as_exposed(seen, &settings.target, exposure, light)?;
         camera.add_exposures(learner, SeenScene { rates, target, light }, exposure, settings, item)
     }
@@ -211,13 +212,13 @@ impl Camera {
             let camera = self.with_scene_size(scene)?;
             let exposure = camera.nominal_exposure()?;
             let target = camera.training_target(scene, settings, &exposure)?;
-            let rates = ElectronRates::new(&camera.sensor, &image)?;
-            let seen = SeenScene { rates: &rates, target: &target, light: scene.illuminant() };
+            let rates = &ElectronRates::new(&camera.sensor, &image)?.with_pattern_of(&camera.sensor);
+            let seen = SeenScene { rates, target: &target, light: scene.illuminant() };
             return camera.add_exposures(learner, seen, &exposure, settings, item);
         }
         let stand = self.stand(scene, None, settings)?;
         let rates = ElectronRates::of_each(stand.sensors(), &image)?;
-        stand.learn(learner, &rates, settings, item)
+        stand.learn(learner, rates, settings, item)
     }
 
     /// This camera before a scene, whose target has no optical image of its own. With an illuminant, the scene is as if under it, which

@@ -186,7 +186,7 @@ impl PipelineTrainer {
         let (ExposedDesign { camera, exposure, scale, full, axes, .. }, data) = (design, &self.data);
         let outputs = ["X", "Y", "Z"].map(String::from).to_vec();
         let mut statistics = Statistics::new(axes.clone(), outputs, false)?;
-        let rates = ElectronRates::of_pixels(&camera.sensor, &data.pixels)?;
+        let rates = ElectronRates::of_pixels(&camera.sensor, &data.pixels)?.with_pattern_of(&camera.sensor);
         let mut surfaces: Vec<(Vec<f64>, &[f64; 3], u32)> = Vec::new();
         for &(some, times) in from.surfaces {
             surfaces.extend(some.iter().map(|(radiance, xyz)| (design.samples(radiance), xyz, times)));

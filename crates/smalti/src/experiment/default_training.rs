@@ -264,7 +264,7 @@ fn add_scene<L: Learner>(
     let stands = group.iter().map(stand).collect::<Result<Vec<_>, _>>()?;
     let sensors: Vec<_> = stands.iter().map(Stand::sensors).collect();
     let rates = ElectronRates::of_all(&sensors, image).map_err(|e| failed(e.into(), &first))?;
-    let learning = group.par_iter_mut().zip(&stands).zip(&rates);
+    let learning = group.par_iter_mut().zip(&stands).zip(rates);
     learning.try_for_each(|((g, stand), rates)| {
         stand.learn(&mut g.learner, rates, settings, item).map_err(|e| failed(e, &g.of))
     })

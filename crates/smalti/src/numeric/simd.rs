@@ -38,6 +38,13 @@ pub(crate) fn has_avx512() -> bool {
     allowed(Set::Avx512) && has!("avx512f") && has!("avx512bw") && has!("avx512dq") && has!("avx512vl")
 }
 
+/// Whether the processor has AVX2 and multiplies and adds in one step.
+#[cfg(target_arch = "x86_64")]
+#[inline]
+pub(crate) fn has_avx2_and_fma() -> bool {
+    allowed(Set::Avx2) && is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma")
+}
+
 /// The choices of [`dispatch`], from the narrowest to the widest.
 #[cfg(any(test, target_arch = "x86_64"))]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

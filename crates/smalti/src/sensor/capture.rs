@@ -6,6 +6,7 @@ use rayon::prelude::*;
 
 use super::collect::{Collector, Rates};
 use super::electron_rates::ElectronRates;
+use super::pattern::Pattern;
 use super::pixel_spectra::{FilteredLight, PixelSpectra};
 use super::read_bands::{Band, ChargeBand, Sample, SampleScale, combine_blocks};
 use super::readout::Readout;
@@ -159,17 +160,17 @@ impl Sensor {
         match light {
             Light::Image(image) => {
                 let rates = Collector::new(photodiodes, image)?;
-                self.read_out_from(photodiodes.light_bands(&rates), exposure, noise, seed)
+                self.read_out_from((photodiodes.light_bands(&rates), None), exposure, noise, seed)
             }
             Light::Pixels(pixels) => {
                 let rates = FilteredLight::new(photodiodes, pixels)?;
-                self.read_out_from(photodiodes.light_bands(&rates), exposure, noise, seed)
+                self.read_out_from((photodiodes.light_bands(&rates), None), exposure, noise, seed)
             }
             Light::Electrons(rates, factor) => {
                 rates.ensure_of(photodiodes, factor)?;
                 let band =
                     |plane, first_row, out: &mut [f32]| rates.band(plane, first_row, factor as f32, out);
-                self.read_out_from(band, exposure, noise, seed)
+                self.read_out_from((band, rates.pattern()), exposure, noise, seed)
             }
         }
     }
@@ -181,14 +182,14 @@ impl Sensor {
 
     fn read_out_from<S: Sample>(
         &self,
-        light_band: impl Fn(usize, usize, &mut [f32]) + Sync,
+        (light_band, pattern): (impl Fn(usize, usize, &mut [f32]) + Sync, Option<&Pattern>),
         exposure: &Exposure,
         noise: NoiseMode,
         seed: u64,
     ) -> Result<Vec<S>, SensorError> {
         let w = self.read_window();
         let planes = self.sampling().planes();
-        let high = Readout::new(self, exposure, exposure.time_s / self.captures(), noise, seed)?;
+        let high = Readout::new(self, pattern, exposure, exposure.time_s / self.captures(), (noise, seed))?;
         let share = 1.0 / self.gain_ratio(exposure);
         let (readout, second) = match exposure.conversion_gain {
             ConversionGain::High => (high, None),
@@ -220,7 +221,7 @@ impl Sensor {
                 let first_row = b * BAND;
                 light_band(plane, first_row * side, &mut light);
                 let origin = (((w.row + first_row) * lines) as u32, first_col as u32, plane as u32);
-                let read_pixels = |readout: &Readout, out: &mut [S]| {
+                let read_pixels = |readout: &Readout<'_>, out: &mut [S]| {
                     dispatch(Band {
                         readout,
                         to_sample: &to_sample,
@@ -231,7 +232,7 @@ impl Sensor {
                         out,
                     });
                 };
-                let read = |readout: &Readout, rows: &mut [S]| match self.binning {
+                let read = |readout: &Readout<'_>, rows: &mut [S]| match self.binning {
                     None => read_pixels(readout, rows),
                     Some(binning @ Binning { mode: BinningMode::Digital, .. }) => {
                         let mut samples = vec![S::default(); light.len()];

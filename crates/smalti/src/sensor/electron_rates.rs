@@ -4,6 +4,7 @@
 use std::borrow::Cow;
 
 use super::collect::Collector;
+use super::pattern::Pattern;
 use super::{PixelSpectra, Sensor, SensorError};
 use crate::numeric::{Planes, Rect, require};
 use crate::optics::OpticalImage;
@@ -16,6 +17,7 @@ use crate::optics::OpticalImage;
 pub struct ElectronRates {
     window: Rect,
     per_s: Planes,
+    pattern: Option<Pattern>,
 }
 
 impl ElectronRates {
@@ -25,7 +27,11 @@ impl ElectronRates {
     /// When the sensor is invalid, or a curve does not cover the wavelengths of the image.
     pub fn new(sensor: &Sensor, image: &OpticalImage) -> Result<Self, SensorError> {
         sensor.validate()?;
-        Ok(Self { window: sensor.unbinned().read_window(), per_s: sensor.electrons(image.into(), 1.0)? })
+        Ok(Self {
+            window: sensor.unbinned().read_window(),
+            per_s: sensor.electrons(image.into(), 1.0)?,
+            pattern: None,
+        })
     }
 
     /// The rates of photons that stand gathered on the pixels of a sensor.
@@ -34,7 +40,11 @@ impl ElectronRates {
     /// As [`ElectronRates::new`]; and when the photons are those of other pixels.
     pub fn of_pixels(sensor: &Sensor, pixels: &PixelSpectra) -> Result<Self, SensorError> {
         sensor.validate()?;
-        Ok(Self { window: sensor.unbinned().read_window(), per_s: sensor.electrons(pixels.into(), 1.0)? })
+        Ok(Self {
+            window: sensor.unbinned().read_window(),
+            per_s: sensor.electrons(pixels.into(), 1.0)?,
+            pattern: None,
+        })
     }
 
     /// [`ElectronRates::of_all`] for one group.
@@ -60,8 +70,20 @@ impl ElectronRates {
         let rates = |c: &Collector<'_>| Self {
             window: c.sensor.read_window(),
             per_s: c.sensor.electrons_from(c, 1.0),
+            pattern: None,
         };
         Ok(Collector::of_all(&fine, image)?.iter().map(|c| c.each_ref().map(rates)).collect())
+    }
+
+    /// The same rates with the random numbers behind the fixed pattern of a sensor, which captures of these rates then need not draw again.
+    /// The captures have the same bits.
+    #[must_use]
+    pub fn with_pattern_of(self, sensor: &Sensor) -> Self {
+        Self { pattern: Pattern::new(&sensor.unbinned()).filter(|p| p.is_in(self.window)), ..self }
+    }
+
+    pub(super) fn pattern(&self) -> Option<&Pattern> {
+        self.pattern.as_ref()
     }
 
     /// An error unless these are rates of the window of a sensor without binning, and the factor is one of light.

@@ -19,6 +19,7 @@ mod geometry;
 mod noise_mode;
 mod noise_model;
 mod nonuniformity;
+mod pattern;
 mod pixel;
 mod pixel_spectra;
 mod quantum_efficiency;

@@ -77,7 +77,7 @@ pub(super) fn combine_blocks<S: Sample>(
 
 /// Read-out of a band of rows whose samples are blocks of `side` × `side` photodiodes on one floating diffusion.
 pub(super) struct ChargeBand<'a, S> {
-    pub(super) readout: &'a Readout,
+    pub(super) readout: &'a Readout<'a>,
     pub(super) to_sample: &'a SampleScale,
     /// Row, column and plane of the first sample.
     pub(super) origin: (u32, u32, u32),
@@ -132,7 +132,7 @@ impl<S: Sample> Kernel for ChargeBand<'_, S> {
 
 /// Read-out of a band of rows.
 pub(super) struct Band<'a, S> {
-    pub(super) readout: &'a Readout,
+    pub(super) readout: &'a Readout<'a>,
     pub(super) to_sample: &'a SampleScale,
     /// Row, column and plane of the first pixel.
     pub(super) origin: (u32, u32, u32),

@@ -1,20 +1,19 @@
 //! From the mean number of photoelectrons of a pixel to its voltage at the converter. Every noise term is
 //! added in the order of the signal chain, on blocks of lanes.
 
+use super::pattern::{Pattern, PatternSource};
 use super::{Exposure, LowGain, NoiseMode, Sensor, SensorError};
 use crate::numeric::normal::normal_pair;
 use crate::numeric::philox::philox4x32;
 use crate::numeric::poisson::{LANES, LaneCounter, poisson_lanes};
 
 /// Word 2 of the generator's counter, which identifies the purpose of the random numbers. Word 0 is the
-/// column, word 1 the row, word 3 the plane (upper half) and the attempt (lower half).
+/// column, word 1 the row, word 3 the plane (upper half) and the attempt (lower half). The [`pattern`](super::pattern) has a purpose of its own.
 mod purpose {
     /// Photon and read noise, keyed by the seed.
     pub(super) const PIXEL: u32 = 0x5345_4e01;
     /// Row noise, keyed by the seed.
     pub(super) const ROW: u32 = 0x5345_4e02;
-    /// Gain, offset and defects of a pixel, keyed by the serial number.
-    pub(super) const PATTERN: u32 = 0x5345_4e03;
     /// Offset of a column, keyed by the serial number.
     pub(super) const COLUMN: u32 = 0x5345_4e04;
     /// Read noise of a sample of several photodiodes, keyed by the seed.
@@ -36,10 +35,13 @@ struct Exposed {
 }
 
 /// The parameters of a block.
-pub(super) struct Readout {
+#[derive(Clone, Copy)]
+pub(super) struct Readout<'a> {
     mode: NoiseMode,
     seed: [u32; 2],
-    serial: [u32; 2],
+    source: PatternSource,
+    /// The pattern of the source, if it was drawn before.
+    pattern: Option<&'a Pattern>,
     /// Exposure time of one plane, s.
     time_s: f32,
     dark_e: f64,
@@ -60,22 +62,18 @@ pub(super) struct Readout {
     swing_v: f32,
     /// Whether this is the second reading of the same electrons, with noise of its own.
     is_second: bool,
-    /// Whether planes have separate patterns (the sensors of a prism) or one (sequential captures).
-    separate_patterns: bool,
 }
 
-fn key(v: u64) -> [u32; 2] {
-    [v as u32, (v >> 32) as u32]
-}
-
-impl Readout {
+impl<'a> Readout<'a> {
+    /// A pattern that was drawn for another device is not used.
     pub(super) fn new(
         sensor: &Sensor,
+        pattern: Option<&'a Pattern>,
         exposure: &Exposure,
         time_s: f64,
-        mode: NoiseMode,
-        seed: u64,
+        (mode, seed): (NoiseMode, u64),
     ) -> Result<Self, SensorError> {
+        let source = PatternSource::of(sensor);
         let (pixel, non) = (&sensor.pixel, &sensor.nonuniformity);
         let temperature = sensor.dark_temperature.map_or(Ok(1.0), |t| t.factor())?;
         let dark_e = |v_per_s: f64| v_per_s * temperature * time_s / pixel.conversion_gain_v_per_e;
@@ -83,8 +81,9 @@ impl Readout {
         let dead_below = words(non.dead_pixel_fraction);
         Ok(Self {
             mode,
-            seed: key(seed),
-            serial: key(non.device_serial),
+            seed: [seed as u32, (seed >> 32) as u32],
+            source,
+            pattern: pattern.filter(|pattern| pattern.is_of(source)),
             time_s: time_s as f32,
             dark_e: dark_e(pixel.dark_voltage_v_per_s),
             hot_dark_e: dark_e(non.hot_pixel_dark_voltage_v_per_s),
@@ -101,7 +100,6 @@ impl Readout {
             offset_v: exposure.analog_offset_v as f32,
             swing_v: pixel.voltage_swing_v as f32,
             is_second: false,
-            separate_patterns: sensor.architecture == super::ColorArchitecture::Prism,
         })
     }
 
@@ -116,18 +114,14 @@ impl Readout {
         }
     }
 
-    fn pattern_plane(&self, plane: u32) -> u32 {
-        if self.separate_patterns { plane << 16 } else { 0 }
-    }
-
     /// Fixed offsets of the columns from `first`, V.
     pub(super) fn column_offsets(&self, first: u32, plane: u32, out: &mut [f32]) {
         if self.mode != NoiseMode::All {
             return out.fill(0.0);
         }
         for (i, o) in out.iter_mut().enumerate() {
-            let counter = [first.wrapping_add(i as u32), 0, purpose::COLUMN, self.pattern_plane(plane)];
-            let w = philox4x32(counter, self.serial);
+            let counter = [first.wrapping_add(i as u32), 0, purpose::COLUMN, self.source.plane(plane)];
+            let w = philox4x32(counter, self.source.serial);
             *o = self.column_noise_v * normal_pair(w[0], w[1]).0;
         }
     }
@@ -258,7 +252,7 @@ impl Readout {
     #[inline(always)]
     fn pattern(
         &self,
-        (row, col, plane): (u32, u32, u32),
+        at: (u32, u32, u32),
         electrons: &mut [f64; LANES],
         response: &mut [f32; LANES],
         offset: &mut [f32; LANES],
@@ -272,24 +266,16 @@ impl Readout {
         if !defects && self.prnu == 0.0 && self.dsnu_v == 0.0 {
             return;
         }
-        let counter = LaneCounter {
-            key: self.serial,
-            first: col,
-            row,
-            purpose: purpose::PATTERN,
-            attempt: self.pattern_plane(plane),
-        };
-        let words = counter.block();
+        let block = self.pattern.map_or_else(|| self.source.block(at), |pattern| pattern.block(at));
         for i in 0..LANES {
-            let (a, b) = normal_pair(words[0][i], words[1][i]);
-            response[i] = (1.0 + self.prnu * a).max(0.0);
-            offset[i] = self.dsnu_v * b;
+            response[i] = (1.0 + self.prnu * block.gain[i]).max(0.0);
+            offset[i] = self.dsnu_v * block.offset[i];
         }
         if defects {
-            for i in 0..LANES {
-                let w = u64::from(words[2][i]);
+            for (e, word) in electrons.iter_mut().zip(block.defect) {
+                let w = u64::from(word);
                 let dark = if w < self.hot_below { self.hot_dark_e } else { self.dark_e };
-                electrons[i] = if w < self.dead_below { 0.0 } else { electrons[i] + dark };
+                *e = if w < self.dead_below { 0.0 } else { *e + dark };
             }
         }
     }

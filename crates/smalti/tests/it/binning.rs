@@ -285,6 +285,8 @@ fn every_kind_of_light_gives_the_same_capture() {
             let by_image = s.capture(&image, &TEN_MS, NoiseMode::All, 3).unwrap();
             let rates = ElectronRates::new(&s, &image).unwrap();
             assert_eq!(s.capture((&rates, 1.0), &TEN_MS, NoiseMode::All, 3).unwrap(), by_image);
+            let rates = rates.with_pattern_of(&s);
+            assert_eq!(s.capture((&rates, 1.0), &TEN_MS, NoiseMode::All, 3).unwrap(), by_image);
             let pixels = PixelSpectra::new(&s, &image).unwrap();
             assert_eq!((pixels.window().rows, pixels.window().cols), (48, 72));
             let by_pixels = s.capture_ideal(&pixels, &TEN_MS).unwrap().normalized();

@@ -344,6 +344,45 @@ fn rates_of_many_sensors_are_those_of_each() {
     assert_eq!(volts, all[0][0].expected_volts(&image, &exposure).unwrap());
 }
 
+/// Rates with the random numbers of a fixed pattern give the captures without them: of windows and prisms, with defects, for any
+/// number of threads, and on another device as well, whose pattern is its own.
+#[test]
+fn a_pattern_that_was_drawn_before_changes_no_bit() {
+    let image = speckle(90, 330, 2.1e-6);
+    let mut device = noisy_sensor(64, 230);
+    let non = &mut device.nonuniformity;
+    (non.prnu_fraction, non.dsnu_v, non.column_noise_v) = (0.02, 0.001, 0.001);
+    (non.dead_pixel_fraction, non.hot_pixel_fraction, non.device_serial) = (0.01, 0.02, 7 << 33);
+    let mut windowed = device.clone();
+    windowed.window = Some(Rect { row: 3, col: 7, rows: 40, cols: 201 });
+    let mut prism = device.clone();
+    prism.architecture = ColorArchitecture::Prism;
+    let mut even = device.clone();
+    (even.nonuniformity.dead_pixel_fraction, even.nonuniformity.hot_pixel_fraction) = (0.0, 0.0);
+    let exposure = Exposure::new(0.01);
+    for sensor in [&device, &windowed, &prism, &even] {
+        let mut other = sensor.clone();
+        other.nonuniformity.device_serial += 1;
+        let rates = ElectronRates::new(sensor, &image).unwrap();
+        for threads in [1, 3] {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let drawn = pool.install(|| rates.clone().with_pattern_of(sensor));
+            assert_ne!(drawn, rates);
+            for by in [sensor, &other] {
+                let capture = |rates| by.capture((rates, 2.0), &exposure, NoiseMode::All, 3).unwrap();
+                assert!(capture(&rates) == capture(&drawn));
+            }
+        }
+        assert_ne!(
+            sensor.capture((&rates, 2.0), &exposure, NoiseMode::All, 3).unwrap(),
+            other.capture((&rates, 2.0), &exposure, NoiseMode::All, 3).unwrap()
+        );
+    }
+    let alike = sensor(64, 230);
+    let rates = ElectronRates::new(&alike, &image).unwrap();
+    assert_eq!(rates.clone().with_pattern_of(&alike), rates);
+}
+
 /// What leaves no range between black and white is named: the offset, or a full well that is too small at any offset.
 #[test]
 fn levels_without_a_range_name_their_cause() {

@@ -347,7 +347,7 @@ impl Kernel for AddSamples<'_> {
                 *z = f64::from(samples[slots[patch + offset] as usize * filters + channel]);
             }
             for (z, plane) in z[1 + offsets.len()..].iter_mut().zip(targets) {
-                *z = f64::from(plane[patch + middle]) * scale;
+                *z = f64::from((f64::from(plane[patch + middle]) * scale) as f32);
             }
         }
         add_products(batch, stride, sums);
