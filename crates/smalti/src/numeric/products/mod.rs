@@ -67,8 +67,7 @@ mod tests {
     fn every_instruction_set_sums_to_the_same_bits() {
         for stride in [16, 24, 32, 56, 72] {
             let mut random = Stream::new(stride as u64, 1, 2);
-            let batch: Vec<f64> =
-                (0..stride * 29).map(|_| f64::from(random.uniform() as f32 - 0.3)).collect();
+            let batch: Vec<f64> = (0..stride * 5).map(|_| f64::from(random.uniform() as f32 - 0.3)).collect();
             for set in [Set::Plain, Set::Avx2, Set::Avx512] {
                 let mut sums = vec![0.25; stride * stride];
                 with_widest(set, || add_products(&batch, stride, &mut sums));
