@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::ensure;
 use clap::Args;
 use smalti::camera::ScoreSettings;
-use smalti::experiment::{ComparisonSettings, Progress as _, compare, light_gains_to_first};
+use smalti::experiment::{ComparisonSettings, Progress as _, compare_while_learning, light_gains_to_first};
 use smalti_io::comparisons::{self, ComparisonFiles, RESULTS};
 use smalti_io::test_scenes::scene_label;
 use smalti_report::comparison::{Comparison, PAGE, SIDE_BY_SIDE, Stated};
@@ -78,7 +78,7 @@ pub(crate) fn run(args: &Compare, words: &[String], common: &Common) -> anyhow::
         score: ScoreSettings::default(),
         exposure: options.exposure.policy(),
     };
-    let compared = compare(&contenders, &settings, resources)?;
+    let compared = compare_while_learning(&contenders, &contest.pipelines, &settings, resources)?;
     let gains = if args.light_gain {
         light_gains_to_first(&contenders, &settings, &compared.exposure, &progress)?
     } else {

@@ -6,8 +6,8 @@ use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use smalti::camera::{Camera, TestScene};
 use smalti::experiment::{
-    Contender, PipelineSet, Processing, Progress as _, Resources, contenders, ensure_any_defined,
-    other_wavelengths_note, pipelines, scene_lights, without_infrared,
+    Contender, PipelineTask, Pipelines, Processing, Progress as _, Resources, contenders, ensure_any_defined,
+    other_wavelengths_note, scene_lights, without_infrared,
 };
 use smalti::isp::Demosaic;
 use smalti::spectrum::Illuminant;
@@ -88,11 +88,12 @@ pub(crate) struct Contest {
     pub(crate) labels: Vec<String>,
     pub(crate) scenes: Vec<TestScene>,
     pub(crate) illuminant: Illuminant,
-    pipelines: Vec<Option<PipelineSet>>,
+    /// Those for lights other than that of the targets may be still to be learned.
+    pub(crate) pipelines: Pipelines,
 }
 
 impl ContestOptions {
-    /// Resolves cameras and scenes and learns pipelines. `output` is the folder that will be written.
+    /// Resolves cameras and scenes and begins to learn pipelines. `output` is the folder that will be written.
     pub(crate) fn resolve(
         &self,
         cameras: &[String],
@@ -135,8 +136,12 @@ impl ContestOptions {
         without_infrared(&cameras, &scenes, &illuminant)?.iter().for_each(|text| note(text, common));
         let policy = self.exposure.policy();
         policy.ensure_targets_show_something(&cameras, &labels, &self.luminance, &illuminant, resources)?;
-        let learning = (&settings, &training);
-        let pipelines = pipelines(&cameras, &labels, given, &self.processing, learning, &lights, resources)?;
+        let task = PipelineTask {
+            given,
+            processing: &self.processing,
+            ..PipelineTask::learned((&cameras, &labels), (&settings, &training), &lights)
+        };
+        let pipelines = Pipelines::begin(task, resources)?;
         Ok(Contest { cameras, labels, scenes, illuminant, pipelines })
     }
 
@@ -156,7 +161,8 @@ impl Contest {
         processing: &[Processing],
         progress: &Progress,
     ) -> anyhow::Result<(Vec<Contender<'_>>, Vec<String>)> {
-        let (contenders, left_out) = contenders(&self.cameras, &self.labels, &self.pipelines, processing)?;
+        let (contenders, left_out) =
+            contenders(&self.cameras, &self.labels, self.pipelines.sets(), processing)?;
         for name in &left_out {
             progress.note(&format!(
                 "{name} is left out, since the method is defined for Bayer mosaics only; l3 and bilinear are defined for any mosaic"

@@ -7,8 +7,8 @@ use smalti::camera::{
     TrainingSettings, score_picture, test_scenes,
 };
 use smalti::experiment::{
-    self, ComparisonSettings, Contender, EqualExposure, ExposurePolicy, PipelineSet, Processing, Resources,
-    light_gain_between, numbered, scene_lights, score_scene,
+    self, ComparisonSettings, Contender, EqualExposure, ExposurePolicy, PipelineSet, PipelineTask, Pipelines,
+    Processing, Resources, light_gain_between, numbered, scene_lights, score_scene,
 };
 use smalti::l3::Training;
 use smalti::numeric::Planes;
@@ -341,11 +341,16 @@ pub(crate) fn compare<'py>(
         let (luminances, light) = (&settings.luminances_cd_m2, &settings.illuminant);
         exposure.ensure_targets_show_something(&cameras, &labels, luminances, light, resources).or_raise()?;
         let learning = (&training, &Training::default());
-        let learned =
-            experiment::pipelines(&cameras, &labels, given, &processing, learning, &lights, resources)
-                .or_raise()?;
-        let (contenders, _) = experiment::contenders(&cameras, &labels, &learned, &processing).or_raise()?;
-        let compared = experiment::compare(&contenders, &settings, resources).or_raise()?;
+        let task = PipelineTask {
+            given,
+            processing: &processing,
+            ..PipelineTask::learned((&cameras, &labels), learning, &lights)
+        };
+        let learned = Pipelines::begin(task, resources).or_raise()?;
+        let (contenders, _) =
+            experiment::contenders(&cameras, &labels, learned.sets(), &processing).or_raise()?;
+        let compared = experiment::compare_while_learning(&contenders, &learned, &settings, resources);
+        let compared = compared.or_raise()?;
         let names: Vec<_> = contenders.iter().map(|c| (c.label.to_owned(), c.processing.name())).collect();
         Ok((names, compared))
     })?;

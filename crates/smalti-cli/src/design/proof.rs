@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use smalti::camera::{Camera, ScoreSettings, TestScene, TrainingSettings};
 use smalti::design::search::{FilterSpace, SearchSettings};
 use smalti::experiment::{
-    ComparisonSettings, Entrant, ExposurePolicy, Processing, Proof, Resources, RobustnessRow,
+    ComparisonSettings, Entrant, ExposurePolicy, PipelineTask, Processing, Proof, Resources, RobustnessRow,
     RobustnessScenes, compare, contenders, numbered, pipelines, prove, robustness, robustness_cases,
     scene_lights,
 };
@@ -237,8 +237,8 @@ fn pictures(
     let labels: Vec<String> = entrants.iter().map(|e| e.label.clone()).collect();
     let lights = scene_lights(&settings.illuminant, &settings.scenes)?;
     let processing = [Processing::L3];
-    let sets =
-        pipelines(&cameras, &labels, Vec::new(), &processing, (learning, training), &lights, resources)?;
+    let task = PipelineTask::learned((&cameras, &labels), (learning, training), &lights);
+    let sets = pipelines(task, resources)?;
     let (contenders, left_out) = contenders(&cameras, &labels, &sets, &processing)?;
     let compared = compare(&contenders, settings, resources)?;
     let stated = Stated::new((&cameras, &labels), &contenders, settings, scene_label)?;

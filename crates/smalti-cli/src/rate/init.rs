@@ -125,6 +125,7 @@ pub(super) fn run(args: &Init, words: &[String], common: &Common) -> anyhow::Res
         score: ScoreSettings::default(),
         exposure: options.exposure.policy(),
     };
+    contest.pipelines.learn_rest(resources)?;
     let mut pictures = rated_scenes(&contenders, &rated, usize::from(args.side), &settings, resources)?;
     for scene in &mut pictures {
         scene.name = scene_label(&scene.name);

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::{Camera, CameraError, Setup, TEST_SAMPLES_PER_PX, test_scenes};
 use crate::scene::{Scene, SceneError, Setting};
-use crate::spectrum::Illuminant;
+use crate::spectrum::{Illuminant, Spectrum};
 
 /// A scene on which cameras are compared.
 #[derive(Debug, Clone, PartialEq)]
@@ -69,6 +69,15 @@ impl TestScene {
     #[must_use]
     pub fn keeps_light(&self) -> bool {
         matches!(self, Self::Given { keeps_light: true, .. })
+    }
+
+    /// The illuminant of a given scene, photons. `None` for a built-in scene, which has that of the comparison.
+    #[must_use]
+    pub fn own_illuminant(&self) -> Option<&Spectrum> {
+        match self {
+            Self::BuiltIn(_) => None,
+            Self::Given { scene, .. } => Some(scene.illuminant()),
+        }
     }
 
     /// The last wavelength that a given scene has light at, nm. `None` for a built-in scene, which has the wavelengths of each camera.

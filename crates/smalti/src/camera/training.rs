@@ -44,9 +44,9 @@ impl From<u64> for TrainingItem {
 }
 
 impl TrainingItem {
-    /// The scene of a number, which counts several times, with half of its patches at each exposure: the other half at the next one ([`Tiles`]). In a set of many
-    /// scenes, the rest would teach little that is new. Scenes of even and of odd numbers begin with different halves, so that no
-    /// exposure is learned from one half alone.
+    /// The scene of a number, which counts several times, with half of its patches at each exposure: the other half at the next one
+    /// ([`Tiles`]). In a set of many scenes, the rest would teach little that is new. Scenes of even and of odd numbers begin with
+    /// different halves, so that no exposure is learned from one half alone.
     pub(super) fn halved(number: u64, times: u32) -> Self {
         Self { number, times, is_halved: true }
     }

@@ -9,7 +9,8 @@ use super::outcome::Outcome;
 use super::progress::ensure_running;
 use super::verdict::{LIGHT_METRIC, QualityAtMoreLight, Scores, Verdict};
 use super::{
-    ComparedPictures, ExperimentError, ExposurePlan, ExposurePolicy, Processing, Progress, Resources,
+    ComparedPictures, ExperimentError, ExposurePlan, ExposurePolicy, Pipelines, Processing, Progress,
+    Resources,
 };
 use crate::camera::compare::IntegratedScene;
 use crate::camera::{
@@ -81,73 +82,169 @@ pub fn compare(
     settings: &ComparisonSettings,
     resources: Resources<'_>,
 ) -> Result<Compared, ExperimentError> {
-    let lights = settings.luminances_cd_m2.len();
-    resources.progress.expect((contenders.len() * lights * (settings.scenes.len() + 1)) as u64);
+    compare_with(contenders, &|| Ok(()), settings, resources)
+}
+
+/// [`compare`] for contenders with these pipelines, some of which may be still to be learned. Scenes that need none of those are scored
+/// before.
+///
+/// # Errors
+/// As [`compare`] and [`Pipelines::learn_rest`].
+pub fn compare_while_learning(
+    contenders: &[Contender<'_>],
+    pipelines: &Pipelines,
+    settings: &ComparisonSettings,
+    resources: Resources<'_>,
+) -> Result<Compared, ExperimentError> {
+    compare_with(contenders, &|| pipelines.learn_rest(resources), settings, resources)
+}
+
+/// [`compare`], with `learn_rest` before the scenes that a contender has no pipeline for.
+fn compare_with(
+    contenders: &[Contender<'_>],
+    learn_rest: &dyn Fn() -> Result<(), ExperimentError>,
+    settings: &ComparisonSettings,
+    resources: Resources<'_>,
+) -> Result<Compared, ExperimentError> {
+    let (lights, scenes) = (settings.luminances_cd_m2.len(), settings.scenes.len());
+    resources.progress.expect((contenders.len() * lights * (scenes + 1)) as u64);
     let without_pipeline = |c: &&Contender<'_>| c.processing == Processing::L3 && c.pipelines.is_none();
     if let Some(contender) = contenders.iter().find(without_pipeline) {
         return Err(ExperimentError::NoPipeline { camera: contender.label.to_owned() });
     }
     let cameras: Vec<(&str, &Camera)> = contenders.iter().map(|c| (c.label, c.camera)).collect();
     // The first camera's images serve the exposure times and the verdict as well.
-    let setups = contenders.first().map_or(Ok(Vec::new()), |c| imaged(c, settings, &[], resources))?;
-    let pictures = settings.pictures(&setups);
-    let exposure = ExposurePlan::new(settings.exposure, &cameras, pictures, resources)?;
-    let explained = |c: &Contender<'_>, e: ExperimentError| exposure.explained(c.label, e);
-    let mut outcomes = Vec::with_capacity(contenders.len());
-    // Contenders share the optical images of the targets through the store, and so come one after another.
-    for contender in contenders {
-        let at = |light: usize| {
-            let (targets, edge) = targets(contender, light, settings, &exposure, resources)?;
-            let luminance_cd_m2 = settings.luminances_cd_m2[light];
-            Ok(Outcome { luminance_cd_m2, targets, edge, scenes: Vec::new() })
-        };
-        let found = (0..lights).map(at).collect::<Result<Vec<_>, _>>();
-        outcomes.push(found.map_err(|e| explained(contender, e))?);
+    let metered = match contenders.first() {
+        Some(first) if settings.exposure.meters(&cameras) => imaged(first, settings, &[], resources)?,
+        _ => Vec::new(),
+    };
+    let exposure = ExposurePlan::new(settings.exposure, &cameras, settings.pictures(&metered), resources)?;
+    let mut setups: Vec<Option<Setup>> = metered.into_iter().map(Some).collect();
+    setups.resize(scenes, None);
+    let round = Round { contenders, settings, exposure: &exposure, resources };
+    let mut scored: Vec<Option<SceneRow>> = (0..scenes).map(|_| None).collect();
+    let mut score = |scene: usize| -> Result<(), ExperimentError> {
+        let setup = setups[scene].take().map_or_else(|| round.imaged_first(scene), Ok)?;
+        scored[scene] = Some(round.scene(scene, &setup)?);
+        setups[scene] = Some(setup);
+        resources.progress.preliminary(&preliminary_table(contenders, settings, &scored));
+        Ok(())
+    };
+    let is_ready = |scene: &usize| {
+        let light = settings.scenes[*scene].own_illuminant();
+        light.is_none_or(|light| contenders.iter().all(|c| c.is_ready_for(light)))
+    };
+    let (early, late): (Vec<usize>, Vec<usize>) = (0..scenes).partition(is_ready);
+    // The targets show nothing before they are all done, and so come after the first scene.
+    let mut early = early.into_iter();
+    early.next().map_or(Ok(()), &mut score)?;
+    let targets = round.targets()?;
+    early.try_for_each(&mut score)?;
+    if !late.is_empty() {
+        learn_rest()?;
     }
-    for (scene, first) in setups.iter().enumerate() {
-        let name = settings.scenes[scene].name();
+    late.into_iter().try_for_each(score)?;
+    let outcomes = outcomes(settings, targets, scored);
+    let setups: Vec<Setup> = setups.into_iter().flatten().collect();
+    let verdict = verdict(contenders, settings, &exposure, (&outcomes, setups), resources)?;
+    Ok(Compared { outcomes, exposure, verdict })
+}
+
+/// The scores on a scene, for each contender and luminance.
+type SceneRow = Vec<Vec<ScoredScene>>;
+
+/// The scores on the targets, with the response to the edge.
+type TargetScores = (Evaluation, Option<EdgeSfr>);
+
+/// What all scores of a comparison have in common.
+#[derive(Clone, Copy)]
+struct Round<'a> {
+    contenders: &'a [Contender<'a>],
+    settings: &'a ComparisonSettings,
+    exposure: &'a ExposurePlan,
+    resources: Resources<'a>,
+}
+
+impl Round<'_> {
+    /// A scene on the camera of the first contender.
+    fn imaged_first(&self, scene: usize) -> Result<Setup, ExperimentError> {
+        let first = self.contenders.first().ok_or(ExperimentError::NothingToCompare)?;
+        image(first, scene, self.settings, None, self.resources)
+    }
+
+    /// The scores of all contenders on a scene. `first` is the scene on the camera of the first one.
+    fn scene(&self, scene: usize, first: &Setup) -> Result<SceneRow, ExperimentError> {
+        let Self { contenders, settings, exposure, resources } = *self;
         let mut last = first.clone();
         let order = Order::of(std::slice::from_ref(first));
         let at_once = if order == Order::Parallel { CONTENDERS_AT_ONCE } else { 1 };
-        for (contenders, outcomes) in contenders.chunks(at_once).zip(outcomes.chunks_mut(at_once)) {
+        let mut row = Vec::with_capacity(contenders.len());
+        for contenders in contenders.chunks(at_once) {
             let mut imaged = Vec::with_capacity(at_once);
             for contender in contenders {
                 last = image(contender, scene, settings, Some(&last), resources)?;
                 imaged.push((contender, last.clone()));
             }
-            let scored = order.map(imaged, |(contender, setup)| {
-                let scored =
-                    scene_scores(contender, (scene, &setup), settings, &exposure, resources.progress);
-                scored.map_err(|e| explained(contender, e))
-            })?;
-            for (outcome, scored) in outcomes.iter_mut().flatten().zip(scored.into_iter().flatten()) {
-                outcome.scenes.push((name.to_owned(), scored));
-            }
+            row.extend(order.map(imaged, |(contender, setup)| {
+                let scored = scene_scores(contender, (scene, &setup), settings, exposure, resources.progress);
+                scored.map_err(|e| exposure.explained(contender.label, e))
+            })?);
         }
-        let scored = [scene + 1, settings.scenes.len()];
-        resources.progress.preliminary(&preliminary_table(contenders, &outcomes, scored));
+        Ok(row)
     }
-    let verdict = verdict(contenders, settings, &exposure, (&outcomes, setups), resources)?;
-    Ok(Compared { outcomes, exposure, verdict })
+
+    /// The scores on the targets, for each contender and luminance. Contenders share the optical images of the targets through the store,
+    /// and so come one after another.
+    fn targets(&self) -> Result<Vec<Vec<TargetScores>>, ExperimentError> {
+        let Self { contenders, settings, exposure, resources } = *self;
+        let of_contender = |contender: &Contender<'_>| {
+            let at = |light: usize| targets(contender, light, settings, exposure, resources);
+            let found = (0..settings.luminances_cd_m2.len()).map(at).collect::<Result<Vec<_>, _>>();
+            found.map_err(|e| exposure.explained(contender.label, e))
+        };
+        contenders.iter().map(of_contender).collect()
+    }
 }
 
-/// The means over the scenes that are scored so far, of a number of scenes.
+/// The scores of every contender and luminance, those of the scenes in the order of the settings.
+fn outcomes(
+    settings: &ComparisonSettings,
+    targets: Vec<Vec<TargetScores>>,
+    scored: Vec<Option<SceneRow>>,
+) -> Vec<Vec<Outcome>> {
+    let outcome = |((targets, edge), &luminance_cd_m2): (TargetScores, &f64)| Outcome {
+        luminance_cd_m2,
+        targets,
+        edge,
+        scenes: Vec::with_capacity(settings.scenes.len()),
+    };
+    let of_contender = |of: Vec<_>| of.into_iter().zip(&settings.luminances_cd_m2).map(outcome).collect();
+    let mut outcomes: Vec<Vec<Outcome>> = targets.into_iter().map(of_contender).collect();
+    for (scene, row) in settings.scenes.iter().zip(scored) {
+        for (outcome, scored) in outcomes.iter_mut().flatten().zip(row.into_iter().flatten().flatten()) {
+            outcome.scenes.push((scene.name().to_owned(), scored));
+        }
+    }
+    outcomes
+}
+
+/// The means over the scenes that are scored so far.
 fn preliminary_table(
     contenders: &[Contender<'_>],
-    outcomes: &[Vec<Outcome>],
-    [scored, scenes]: [usize; 2],
+    settings: &ComparisonSettings,
+    scored: &[Option<SceneRow>],
 ) -> String {
-    let lights = outcomes.first().map_or(0, Vec::len);
     let width = contenders.iter().map(|c| c.name().chars().count()).max().unwrap_or(0);
-    let mut table = format!("Means over {scored} of {scenes} scenes");
-    for light in 0..lights {
-        for (contender, outcomes) in contenders.iter().zip(outcomes) {
-            let Some(outcome) = outcomes.get(light) else { continue };
-            let [cpsnr_db, delta_e, scielab] = outcome.means();
+    let count = scored.iter().flatten().count();
+    let mut table = format!("Means over {count} of {} scenes", scored.len());
+    for (light, luminance_cd_m2) in settings.luminances_cd_m2.iter().enumerate() {
+        for (number, contender) in contenders.iter().enumerate() {
+            let of_scenes = || scored.iter().flatten().filter_map(|row| row.get(number)?.get(light));
+            let mean = |metric: usize| of_scenes().map(|s| s.means()[metric]).sum::<f64>() / count as f64;
+            let [cpsnr_db, delta_e, scielab] = std::array::from_fn(mean);
             table += &format!(
-                "\n{:width$} {:>6} cd/m²  CPSNR {cpsnr_db:5.2} dB  ΔE2000 {delta_e:5.2}  S-CIELAB {scielab:5.2}",
+                "\n{:width$} {luminance_cd_m2:>6} cd/m²  CPSNR {cpsnr_db:5.2} dB  ΔE2000 {delta_e:5.2}  S-CIELAB {scielab:5.2}",
                 contender.name(),
-                outcome.luminance_cd_m2,
             );
         }
     }

@@ -1,23 +1,20 @@
 //! Contenders of a comparison: cameras with their processing and learned pipelines.
 
-use std::borrow::Cow;
 use std::ops::Range;
 
-use super::default_training::{DefaultTraining, learn_default};
 use super::error::StageContext;
-use super::lights::{LitPipeline, PipelineSet, SceneLight, ensure_lights_suffice};
+use super::lights::{PipelineSet, SceneLight, ensure_lights_suffice};
 use super::progress::{Stoppable, ensure_running};
-use super::training_statistics::ensure_mosaic;
 use super::{ExperimentError, Processing, Progress, Resources};
 use crate::camera::compare::{IntegratedScene, SeedScores};
 use crate::camera::description::IspDescription;
 use crate::camera::{
     Camera, CameraError, Evaluation, EvaluationPictures, EvaluationSettings, PICTURE_METRICS, SceneScores,
-    ScoreSettings, Setup, TrainingSettings, evaluate_with, picture_cpsnr_db,
+    ScoreSettings, Setup, evaluate_with, picture_cpsnr_db,
 };
 use crate::color::{ColorSpace, Image};
 use crate::isp::{Classic, Isp, WhiteBalance};
-use crate::l3::{L3Error, Pipeline, Quality, Training, peak_ratio_db};
+use crate::l3::{L3Error, Quality, peak_ratio_db};
 use crate::numeric::Number;
 use crate::sensor::RawImage;
 use crate::spectrum::{Illuminant, Spectrum};
@@ -75,6 +72,12 @@ impl<'a> Contender<'a> {
         self.pipelines.map(|pipelines| pipelines.main().quality())
     }
 
+    /// Whether it can render scenes under a light (photons). A learned pipeline for the light may be still to come.
+    pub(super) fn is_ready_for(&self, light: &Spectrum) -> bool {
+        let lacks = |pipelines: &PipelineSet| pipelines.for_light(light).is_none();
+        self.processing != Processing::L3 || !self.pipelines.is_some_and(lacks)
+    }
+
     /// Whether the processing is defined for the camera's mosaic.
     #[must_use]
     pub fn is_defined(&self) -> bool {
@@ -110,7 +113,7 @@ impl<'a> Contender<'a> {
     {
         let isp: Box<dyn Isp + 'b> = match (self.processing, self.pipelines) {
             (Processing::L3, Some(pipelines)) => {
-                let pipeline = pipelines.for_light(light);
+                let pipeline = pipelines.for_light(light).ok_or(L3Error::NoPipeline)?;
                 pipeline.ensure_renders(&self.camera.sensor.cfa)?;
                 Box::new(pipeline)
             }
@@ -158,66 +161,6 @@ impl<'a> Contender<'a> {
             ExperimentError::stage(format!("{} at {} cd/m²{matrix}", self.label, Number(settings.luminance_cd_m2)), e)
         })
     }
-}
-
-/// The pipelines of each camera of a comparison: the given one, for every light; or one learned under each light, if
-/// [`Processing::L3`] is compared; or none. Each training scene is a step of progress. `labels` are the unique names of the cameras
-/// in progress and errors. Of the lights, as [`scene_lights`](super::scene_lights) returns them, the first is that of given pipelines.
-///
-/// # Errors
-/// As [`learn_default`], with the label of the camera; [`ExperimentError::NoScene`] without lights.
-pub fn pipelines(
-    cameras: &[Camera],
-    labels: &[String],
-    given: Vec<Option<Pipeline>>,
-    processing: &[Processing],
-    learning: (&TrainingSettings, &Training),
-    lights: &[SceneLight],
-    resources: Resources<'_>,
-) -> Result<Vec<Option<PipelineSet>>, ExperimentError> {
-    let first = lights.first().ok_or(ExperimentError::NoScene)?;
-    let learns = processing.contains(&Processing::L3);
-    let labelled = || cameras.iter().zip(labels);
-    ensure_lights_suffice(labelled().map(|(camera, label)| (label.as_str(), camera)), lights)?;
-    if learns {
-        labelled().try_for_each(|(camera, label)| ensure_mosaic(camera, label))?;
-    }
-    let mut given = given.into_iter().chain(std::iter::repeat(None));
-    let mut sets: Vec<Option<PipelineSet>> = Vec::with_capacity(cameras.len());
-    // Each camera on the wavelengths of each light.
-    let mut on_grids: Vec<(usize, &Illuminant, Cow<'_, Camera>)> = Vec::new();
-    for (number, (camera, label)) in labelled().enumerate() {
-        let given = given.next().flatten();
-        if learns && given.is_none() {
-            for SceneLight { illuminant, grid } in lights {
-                let on_grid = match grid.filter(|grid| *grid != camera.grid()) {
-                    Some(grid) => Cow::Owned(camera.on_grid(grid).in_context(|| label.to_owned())?),
-                    None => Cow::Borrowed(camera),
-                };
-                let is_same = |(other, light, on): &(usize, &Illuminant, Cow<'_, Camera>)| {
-                    (*other, *light, on.grid()) == (number, illuminant, on_grid.grid())
-                };
-                if !on_grids.iter().any(is_same) {
-                    on_grids.push((number, illuminant, on_grid));
-                }
-            }
-        }
-        sets.push(given.map(|given| PipelineSet::of_any_light(&first.illuminant, camera, given)));
-    }
-    let mut trainings = Vec::with_capacity(on_grids.len());
-    for (number, light, camera) in &on_grids {
-        let label = labels.get(*number).map_or("", String::as_str);
-        trainings.push(DefaultTraining { camera, label, light });
-    }
-    let learned = learn_default(&trainings, learning, resources)?;
-    for ((number, light, camera), pipeline) in on_grids.iter().zip(learned) {
-        let lit = LitPipeline { illuminant: (*light).clone(), grid: camera.grid(), pipeline };
-        sets[*number] = Some(match sets[*number].take() {
-            None => PipelineSet::single(lit),
-            Some(set) => set.with(lit),
-        });
-    }
-    Ok(sets)
 }
 
 /// Checks that a kind of processing is defined for the mosaic of a camera, before any work for the comparison.
@@ -332,7 +275,8 @@ fn fixed_point(
     let (Processing::L3, Some(pipelines)) = (contender.processing, contender.pipelines) else {
         return Ok(None);
     };
-    let fixed = match pipelines.for_light(light).render_fixed(raw) {
+    let pipeline = pipelines.for_light(light).ok_or(L3Error::NoPipeline)?;
+    let fixed = match pipeline.render_fixed(raw) {
         Ok(fixed) => Image::new(ColorSpace::Xyz, fixed.planes)?,
         // Raw images in volts, and kernels beyond 16 bits, have no fixed-point form.
         Err(L3Error::NotDigital | L3Error::NoFixedPoint(_)) => return Ok(None),
@@ -348,7 +292,7 @@ fn fixed_point(
 mod tests {
     use super::*;
     use crate::camera::{CameraDescription, compare_on};
-    use crate::l3::{Axes, Class, Kernels, Levels, Origin, PipelineParts};
+    use crate::l3::{Axes, Class, Kernels, Levels, Origin, Pipeline, PipelineParts};
     use crate::scene::{Setting, uniform};
     use crate::sensor::{NoiseMode, Sampling, SignalNoise};
     use crate::spectrum::WavelengthGrid;

@@ -3,12 +3,13 @@
 use serde::Serialize;
 
 use super::comparison::{imaged, scene_scores};
-use super::contender::{Contender, pipelines};
+use super::contender::Contender;
 use super::error::StageContext;
 use super::exposure::{ExposurePlan, ExposurePolicy};
 use super::picture_figures::{LightFigures, PictureFigures};
+use super::pipelines::{PipelineTask, pipelines};
 use super::store::Store;
-use super::{ComparisonSettings, ExperimentError, Processing, Progress, Resources, scene_lights};
+use super::{ComparisonSettings, ExperimentError, Progress, Resources, scene_lights};
 use crate::camera::stable_text::stable_text;
 use crate::camera::{
     Camera, CameraDescription, CameraError, StoredTrainingScenes, TRAINING_SET_REVISION, TestScene,
@@ -198,7 +199,8 @@ pub fn score_entrants(
     for batch in batches {
         let cameras: Vec<Camera> = batch.iter().map(|i| entrants[*i].taught().clone()).collect();
         let labels: Vec<String> = batch.iter().map(|i| entrants[*i].label.clone()).collect();
-        let sets = pipelines(&cameras, &labels, Vec::new(), &[Processing::L3], learning, &lights, inner)?;
+        let task = PipelineTask::learned((&cameras, &labels), learning, &lights);
+        let sets = pipelines(task, inner)?;
         for (i, set) in batch.iter().zip(&sets) {
             let entrant = &entrants[*i];
             let contender = Contender::with_pipelines(&entrant.camera, &entrant.label, set.as_ref());

@@ -65,6 +65,20 @@ impl ExposurePolicy {
         }
     }
 
+    /// Whether the times for these labelled cameras depend on the pictures.
+    pub(super) fn meters(self, cameras: &[(&str, &Camera)]) -> bool {
+        let time_s = |(_, camera): &(&str, &Camera)| camera.stated_time_s();
+        match self {
+            Self::Own | Self::Time(_) => false,
+            Self::Equal(_) => true,
+            Self::AutoEqual(_) => {
+                let cameras = distinct(cameras);
+                let first = cameras.first().and_then(time_s);
+                cameras.len() > 1 && !cameras.iter().all(|c| first.is_some() && time_s(c) == first)
+            }
+        }
+    }
+
     /// Checks that a time that is given leaves something of the chart and of the edge of low contrast unsaturated, for every camera at every
     /// luminance, before any work for the comparison. Times that are chosen by a rule do. `labels` are the unique names of the cameras in errors.
     ///
@@ -163,13 +177,7 @@ impl ExposurePlan {
         resources: Resources<'_>,
     ) -> Result<Self, ExperimentError> {
         let own = Self { applied: ExposurePolicy::Own, times_s: Vec::new(), limiting: None };
-        let mut distinct: Vec<(&str, &Camera)> = Vec::new();
-        for &(label, camera) in cameras {
-            if !distinct.iter().any(|(_, known)| std::ptr::eq(*known, camera)) {
-                distinct.push((label, camera));
-            }
-        }
-        let cameras = distinct;
+        let cameras = distinct(cameras);
         let limits = match policy {
             ExposurePolicy::Own => return Ok(own),
             ExposurePolicy::Time(time_s) => {
@@ -177,14 +185,8 @@ impl ExposurePlan {
                 return Ok(Self { applied: policy, ..own });
             }
             ExposurePolicy::Equal(limits) => limits,
-            ExposurePolicy::AutoEqual(limits) => {
-                let first = cameras.first().and_then(|(_, camera)| camera.stated_time_s());
-                let is_first = |c: &(&str, &Camera)| first.is_some() && c.1.stated_time_s() == first;
-                if cameras.len() < 2 || cameras.iter().all(is_first) {
-                    return Ok(own);
-                }
-                limits
-            }
+            ExposurePolicy::AutoEqual(limits) if policy.meters(&cameras) => limits,
+            ExposurePolicy::AutoEqual(_) => return Ok(own),
         };
         let EqualExposure { saturated_share: share, longest_s } = limits;
         require((0.0..1.0).contains(&share), "the saturated share", share, "0 to less than 1")?;
@@ -245,6 +247,17 @@ impl ExposurePlan {
         let [macbeth_s, edge_s, zone_plate_s] = [0, 1, 2].map(|target| self.scene_s(first + target, light));
         Some(ExposureTimes { macbeth_s: macbeth_s?, edge_s: edge_s?, zone_plate_s: zone_plate_s? })
     }
+}
+
+/// Each camera once.
+fn distinct<'a>(cameras: &[(&'a str, &'a Camera)]) -> Vec<(&'a str, &'a Camera)> {
+    let mut distinct: Vec<(&str, &Camera)> = Vec::new();
+    for &(label, camera) in cameras {
+        if !distinct.iter().any(|(_, known)| std::ptr::eq(*known, camera)) {
+            distinct.push((label, camera));
+        }
+    }
+    distinct
 }
 
 /// The camera that limits the times of most pictures by a notable factor. `metered` has the times of each camera for each picture.

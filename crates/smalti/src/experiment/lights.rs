@@ -4,6 +4,8 @@
 //! that of a street lamp. A camera has a pipeline for each of these lights, as it has a colour matrix for each with classic
 //! processing, so that cameras are compared and not their illuminant estimation.
 
+use std::sync::OnceLock;
+
 use super::ExperimentError;
 use super::error::StageContext;
 use crate::camera::{Camera, TestScene};
@@ -87,11 +89,19 @@ pub struct LitPipeline {
     pub pipeline: Pipeline,
 }
 
-/// The pipelines of a camera, each for a light; at least one.
+/// The pipelines of a camera, each for a light. That for the illuminant of the comparison is learned; others may still be.
 #[derive(Debug, Clone)]
 pub struct PipelineSet {
     first: LitPipeline,
-    others: Vec<LitPipeline>,
+    others: Vec<OtherLight>,
+}
+
+/// A light and its pipeline, once that is learned.
+#[derive(Debug, Clone)]
+struct OtherLight {
+    illuminant: Illuminant,
+    grid: WavelengthGrid,
+    learned: OnceLock<LitPipeline>,
 }
 
 impl PipelineSet {
@@ -107,11 +117,19 @@ impl PipelineSet {
         Self { first, others: Vec::new() }
     }
 
-    /// The set with a further pipeline.
-    #[must_use]
-    pub fn with(mut self, other: LitPipeline) -> Self {
-        self.others.push(other);
-        self
+    /// Adds another light, whose pipeline is still to be learned.
+    pub(super) fn expect(&mut self, illuminant: Illuminant, grid: WavelengthGrid) {
+        self.others.push(OtherLight { illuminant, grid, learned: OnceLock::new() });
+    }
+
+    /// Takes a pipeline that was expected.
+    pub(super) fn learned(&self, lit: LitPipeline) {
+        let is_free = |o: &&OtherLight| {
+            (&o.illuminant, o.grid) == (&lit.illuminant, lit.grid) && o.learned.get().is_none()
+        };
+        if let Some(other) = self.others.iter().find(is_free) {
+            let _ = other.learned.set(lit);
+        }
     }
 
     /// The pipeline for the illuminant of the comparison.
@@ -120,25 +138,25 @@ impl PipelineSet {
         &self.first.pipeline
     }
 
-    /// All pipelines, that for the illuminant of the comparison first.
+    /// All pipelines that are learned, that for the illuminant of the comparison first.
     pub fn iter(&self) -> impl Iterator<Item = &LitPipeline> {
-        std::iter::once(&self.first).chain(&self.others)
+        std::iter::once(&self.first).chain(self.others.iter().filter_map(|other| other.learned.get()))
     }
 
-    /// The pipeline for the wavelengths of a light (photons) whose illuminant is the nearest to it.
+    /// The pipeline for the wavelengths of a light (photons) whose illuminant is the nearest to it; `None` while it is still to be learned.
     #[must_use]
-    pub fn for_light(&self, light: &Spectrum) -> &Pipeline {
+    pub fn for_light(&self, light: &Spectrum) -> Option<&Pipeline> {
         // Lights differ by at most 1, so that a pipeline for the same wavelengths always precedes the others.
-        let distance = |of: &LitPipeline| {
-            distance(&of.illuminant, light) + if of.grid == light.grid() { 0.0 } else { 2.0 }
+        let distance = |illuminant: &Illuminant, grid: WavelengthGrid| {
+            distance(illuminant, light) + if grid == light.grid() { 0.0 } else { 2.0 }
         };
-        let mut nearest = (distance(&self.first), &self.first);
+        let mut nearest = (distance(&self.first.illuminant, self.first.grid), Some(&self.first));
         for other in &self.others {
-            let distance = distance(other);
+            let distance = distance(&other.illuminant, other.grid);
             if distance < nearest.0 {
-                nearest = (distance, other);
+                nearest = (distance, other.learned.get());
             }
         }
-        &nearest.1.pipeline
+        nearest.1.map(|lit| &lit.pipeline)
     }
 }

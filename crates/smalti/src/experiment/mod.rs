@@ -7,6 +7,7 @@
 
 mod comparison;
 mod contender;
+mod default_set;
 mod default_training;
 mod design;
 mod design_analysis;
@@ -28,6 +29,7 @@ mod order;
 mod outcome;
 mod pairs;
 mod picture_figures;
+mod pipelines;
 mod prepared;
 mod processing;
 mod progress;
@@ -42,8 +44,8 @@ mod tolerance;
 mod training_statistics;
 mod verdict;
 
-pub use comparison::{Compared, ComparisonSettings, compare};
-pub use contender::{Contender, ScoredScene, contenders, ensure_any_defined, pipelines, score_scene};
+pub use comparison::{Compared, ComparisonSettings, compare, compare_while_learning};
+pub use contender::{Contender, ScoredScene, contenders, ensure_any_defined, score_scene};
 pub use default_training::{DefaultTraining, learn_default};
 pub use design::{design, screens};
 pub use design_analysis::{DesignAnalysis, Sensitivity, analyse_design};
@@ -65,6 +67,7 @@ pub use material::NamedScene;
 pub use outcome::Outcome;
 pub use pairs::{PairAlignment, RawAndPicture};
 pub use picture_figures::{LightFigures, PictureFigures};
+pub use pipelines::{PipelineTask, Pipelines, pipelines};
 pub use prepared::{FieldOfView, PreparedCapture, displayed};
 pub use processing::Processing;
 pub use progress::{Progress, Silent};

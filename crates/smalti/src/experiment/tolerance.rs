@@ -3,13 +3,12 @@
 use serde::Serialize;
 
 use super::comparison::imaged;
-use super::contender::{Contender, pipelines};
+use super::contender::Contender;
 use super::entrants::figures;
 use super::error::StageContext;
+use super::pipelines::{PipelineTask, pipelines};
 use super::robustness::DEVIATIONS;
-use super::{
-    ComparisonSettings, Estimate, ExperimentError, PictureFigures, Processing, Resources, scene_lights,
-};
+use super::{ComparisonSettings, Estimate, ExperimentError, PictureFigures, Resources, scene_lights};
 use crate::camera::{Camera, PICTURE_METRICS, TrainingSettings};
 use crate::design::Deviation;
 use crate::l3::Training;
@@ -48,7 +47,7 @@ pub fn tolerances(
     resources.progress.expect((deviations.len() * pictures) as u64);
     let lights = scene_lights(&settings.illuminant, &settings.scenes)?;
     let (cameras, labels) = ([camera.clone()], [label.to_owned()]);
-    let sets = pipelines(&cameras, &labels, Vec::new(), &[Processing::L3], learning, &lights, resources)?;
+    let sets = pipelines(PipelineTask::learned((&cameras, &labels), learning, &lights), resources)?;
     let set = sets.first().and_then(Option::as_ref);
     let mut setups = Vec::new();
     let mut scored: Vec<PictureFigures> = Vec::with_capacity(deviations.len());

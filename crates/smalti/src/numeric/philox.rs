@@ -6,6 +6,12 @@
 const MULTIPLIER: [u32; 2] = [0xD251_1F53, 0xCD9E_8D57];
 const WEYL: [u32; 2] = [0x9E37_79B9, 0xBB67_AE85];
 
+/// The key of a seed: its lower word, then its upper one.
+#[must_use]
+pub fn key(seed: u64) -> [u32; 2] {
+    [seed as u32, (seed >> 32) as u32]
+}
+
 /// Four random words for a counter value and a key.
 #[must_use]
 #[inline]
@@ -35,13 +41,7 @@ impl Stream {
     /// Starts the sequence. `purpose` separates the uses of one seed; `item` counts within a use.
     #[must_use]
     pub fn new(seed: u64, purpose: u32, item: u32) -> Self {
-        Self {
-            key: [seed as u32, (seed >> 32) as u32],
-            name: [purpose, item],
-            block: 0,
-            words: [0; 4],
-            used: 4,
-        }
+        Self { key: key(seed), name: [purpose, item], block: 0, words: [0; 4], used: 4 }
     }
 
     /// The next 32 random bits.

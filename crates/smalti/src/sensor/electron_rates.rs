@@ -75,11 +75,13 @@ impl ElectronRates {
         Ok(Collector::of_all(&fine, image)?.iter().map(|c| c.each_ref().map(rates)).collect())
     }
 
-    /// The same rates with the random numbers behind the fixed pattern of a sensor, which captures of these rates then need not draw again.
-    /// The captures have the same bits.
+    /// The same rates with the random numbers behind the fixed pattern of their sensor, which captures of these rates then need not draw
+    /// again. The captures have the same bits. Rates of another sensor stay as they are.
     #[must_use]
     pub fn with_pattern_of(self, sensor: &Sensor) -> Self {
-        Self { pattern: Pattern::new(&sensor.unbinned()).filter(|p| p.is_in(self.window)), ..self }
+        let sensor = sensor.unbinned();
+        let pattern = self.ensure_of(&sensor, 1.0).ok().and_then(|()| Pattern::new(&sensor));
+        Self { pattern, ..self }
     }
 
     pub(super) fn pattern(&self) -> Option<&Pattern> {

@@ -5,6 +5,7 @@ use rayon::prelude::*;
 use super::{ColorArchitecture, Sensor};
 use crate::numeric::Rect;
 use crate::numeric::normal::normal_pair;
+use crate::numeric::philox::key;
 use crate::numeric::poisson::{LANES, LaneCounter};
 use crate::numeric::simd::{Kernel, dispatch};
 
@@ -23,6 +24,7 @@ pub(super) struct PatternSource {
 }
 
 /// The random numbers of a block of photodiodes.
+#[derive(Debug, Clone, PartialEq)]
 pub(super) struct PatternBlock {
     /// Standard normal deviates of the gain.
     pub(super) gain: [f32; LANES],
@@ -34,9 +36,8 @@ pub(super) struct PatternBlock {
 
 impl PatternSource {
     pub(super) fn of(sensor: &Sensor) -> Self {
-        let serial = sensor.nonuniformity.device_serial;
         Self {
-            serial: [serial as u32, (serial >> 32) as u32],
+            serial: key(sensor.nonuniformity.device_serial),
             separate: sensor.architecture == ColorArchitecture::Prism,
         }
     }
@@ -65,10 +66,8 @@ impl PatternSource {
 pub(super) struct Pattern {
     source: PatternSource,
     window: Rect,
-    /// For each plane, row by row: deviates of the gain, of the offset, and random words for defects.
-    gain: Vec<f32>,
-    offset: Vec<f32>,
-    defect: Vec<u32>,
+    /// For each plane, row by row.
+    blocks: Vec<PatternBlock>,
 }
 
 impl Pattern {
@@ -81,22 +80,16 @@ impl Pattern {
         }
         let (source, window) = (PatternSource::of(sensor), sensor.read_window());
         let planes = if source.separate { sensor.sampling().planes() } else { 1 };
-        let count = planes * window.rows * window.cols;
-        let (mut gain, mut offset, mut defect) = (vec![0.0; count], vec![0.0; count], vec![0; count]);
-        let of_task = TASK_ROWS * window.cols;
-        let of_plane = window.rows * window.cols;
-        for plane in 0..planes {
-            let part = plane * of_plane..(plane + 1) * of_plane;
-            let tasks = gain[part.clone()]
-                .par_chunks_mut(of_task)
-                .zip(offset[part.clone()].par_chunks_mut(of_task))
-                .zip(defect[part].par_chunks_mut(of_task));
-            tasks.enumerate().for_each(|(task, ((gain, offset), defect))| {
-                let first = ((window.row + task * TASK_ROWS) as u32, window.col as u32, plane as u32);
-                dispatch(Draw { source, first, cols: window.cols, gain, offset, defect });
-            });
-        }
-        Some(Self { source, window, gain, offset, defect })
+        let rows = (0..planes * window.rows).into_par_iter().with_min_len(TASK_ROWS);
+        let of_row = |i: usize| {
+            let (plane, row) = (i / window.rows, window.row + i % window.rows);
+            dispatch(DrawRow {
+                source,
+                first: (row as u32, window.col as u32, plane as u32),
+                cols: window.cols,
+            })
+        };
+        Some(Self { source, window, blocks: rows.flat_map_iter(of_row).collect() })
     }
 
     /// Whether it is the pattern of the source.
@@ -104,54 +97,31 @@ impl Pattern {
         self.source == source
     }
 
-    /// Whether it is the pattern of a window.
-    pub(super) fn is_in(&self, window: Rect) -> bool {
-        self.window == window
-    }
-
-    /// The block from `(row, col)` within the window.
+    /// The block from `(row, col)` within the window, whose column is a multiple of [`LANES`] from that of the window.
     #[inline(always)]
-    pub(super) fn block(&self, (row, col, plane): (u32, u32, u32)) -> PatternBlock {
+    pub(super) fn block(&self, (row, col, plane): (u32, u32, u32)) -> &PatternBlock {
         let plane = if self.source.separate { plane as usize } else { 0 };
-        let (rows, cols) = (self.window.rows, self.window.cols);
         let (row, col) = (row as usize - self.window.row, col as usize - self.window.col);
-        let start = (plane * rows + row) * cols + col;
-        let places = start..start + LANES.min(cols - col);
-        let len = places.len();
-        let mut block = PatternBlock { gain: [0.0; LANES], offset: [0.0; LANES], defect: [0; LANES] };
-        block.gain[..len].copy_from_slice(&self.gain[places.clone()]);
-        block.offset[..len].copy_from_slice(&self.offset[places.clone()]);
-        block.defect[..len].copy_from_slice(&self.defect[places]);
-        block
+        let blocks_per_row = self.window.cols.div_ceil(LANES);
+        &self.blocks[(plane * self.window.rows + row) * blocks_per_row + col / LANES]
     }
 }
 
-/// Draws the numbers of some rows.
-struct Draw<'a> {
+/// Draws the blocks of a row.
+struct DrawRow {
     source: PatternSource,
     /// Row, column and plane of the first photodiode.
     first: (u32, u32, u32),
     cols: usize,
-    gain: &'a mut [f32],
-    offset: &'a mut [f32],
-    defect: &'a mut [u32],
 }
 
-impl Kernel for Draw<'_> {
-    type Output = ();
+impl Kernel for DrawRow {
+    type Output = Vec<PatternBlock>;
 
     #[inline(always)]
-    fn run(self) {
-        let Self { source, first: (row, col, plane), cols, gain, offset, defect } = self;
-        let rows = gain.chunks_mut(cols).zip(offset.chunks_mut(cols)).zip(defect.chunks_mut(cols));
-        for (r, ((gain, offset), defect)) in rows.enumerate() {
-            let blocks = gain.chunks_mut(LANES).zip(offset.chunks_mut(LANES)).zip(defect.chunks_mut(LANES));
-            for (b, ((gain, offset), defect)) in blocks.enumerate() {
-                let block = source.block((row + r as u32, col + (b * LANES) as u32, plane));
-                gain.copy_from_slice(&block.gain[..gain.len()]);
-                offset.copy_from_slice(&block.offset[..offset.len()]);
-                defect.copy_from_slice(&block.defect[..defect.len()]);
-            }
-        }
+    fn run(self) -> Vec<PatternBlock> {
+        let (row, col, plane) = self.first;
+        let columns = (0..self.cols as u32).step_by(LANES);
+        columns.map(|c| self.source.block((row, col + c, plane))).collect()
     }
 }

@@ -4,11 +4,12 @@
 use super::pattern::{Pattern, PatternSource};
 use super::{Exposure, LowGain, NoiseMode, Sensor, SensorError};
 use crate::numeric::normal::normal_pair;
-use crate::numeric::philox::philox4x32;
+use crate::numeric::philox::{key, philox4x32};
 use crate::numeric::poisson::{LANES, LaneCounter, poisson_lanes};
 
 /// Word 2 of the generator's counter, which identifies the purpose of the random numbers. Word 0 is the
-/// column, word 1 the row, word 3 the plane (upper half) and the attempt (lower half). The [`pattern`](super::pattern) has a purpose of its own.
+/// column, word 1 the row, word 3 the plane (upper half) and the attempt (lower half). The
+/// [`pattern`](super::pattern) has a purpose of its own.
 mod purpose {
     /// Photon and read noise, keyed by the seed.
     pub(super) const PIXEL: u32 = 0x5345_4e01;
@@ -81,7 +82,7 @@ impl<'a> Readout<'a> {
         let dead_below = words(non.dead_pixel_fraction);
         Ok(Self {
             mode,
-            seed: [seed as u32, (seed >> 32) as u32],
+            seed: key(seed),
             source,
             pattern: pattern.filter(|pattern| pattern.is_of(source)),
             time_s: time_s as f32,
@@ -266,14 +267,21 @@ impl<'a> Readout<'a> {
         if !defects && self.prnu == 0.0 && self.dsnu_v == 0.0 {
             return;
         }
-        let block = self.pattern.map_or_else(|| self.source.block(at), |pattern| pattern.block(at));
+        let drawn;
+        let block = match self.pattern {
+            Some(pattern) => pattern.block(at),
+            None => {
+                drawn = self.source.block(at);
+                &drawn
+            }
+        };
         for i in 0..LANES {
             response[i] = (1.0 + self.prnu * block.gain[i]).max(0.0);
             offset[i] = self.dsnu_v * block.offset[i];
         }
         if defects {
-            for (e, word) in electrons.iter_mut().zip(block.defect) {
-                let w = u64::from(word);
+            for (e, word) in electrons.iter_mut().zip(&block.defect) {
+                let w = u64::from(*word);
                 let dark = if w < self.hot_below { self.hot_dark_e } else { self.dark_e };
                 *e = if w < self.dead_below { 0.0 } else { *e + dark };
             }

@@ -5,7 +5,7 @@ use std::sync::Mutex;
 
 use smalti::camera::{Camera, CameraDescription, ScoreSettings, TrainingSettings};
 use smalti::experiment::{
-    ExperimentError, Processing, Progress, Resources, Silent, SimulationSettings, capture, numbered,
+    ExperimentError, PipelineTask, Progress, Resources, Silent, SimulationSettings, capture, numbered,
     pipelines, scene_lights,
 };
 use smalti::l3::Training;
@@ -39,8 +39,7 @@ fn refused(progress: &Recorder, memory_bytes: Option<u64>) -> ExperimentError {
     let resources = Resources { progress, memory_bytes, ..Resources::default() };
     let labels = numbered(vec![name.clone(), name]);
     let lights = scene_lights(&Illuminant::D65, &[]).unwrap();
-    let given = Vec::new();
-    pipelines(&cameras, &labels, given, &[Processing::L3], learning, &lights, resources).unwrap_err()
+    pipelines(PipelineTask::learned((&cameras, &labels), learning, &lights), resources).unwrap_err()
 }
 
 #[test]

@@ -26,6 +26,7 @@ mod design_toml;
 mod documentation;
 mod experiment;
 mod experiment_exposure;
+mod experiment_turns;
 mod experiment_verdict;
 mod isetcam_camera;
 mod isetcam_cfa;

@@ -312,6 +312,27 @@ fn rates_times_a_factor_are_the_image_in_more_light() {
     ));
 }
 
+/// The width is no multiple of the pixels that are drawn at once. A prism with fewer channels has the same window.
+#[test]
+fn a_fixed_pattern_that_was_drawn_before_changes_no_bit() {
+    let mut windowed = noisy_sensor(64, 230);
+    windowed.window = Some(Rect { row: 3, col: 7, rows: 40, cols: 101 });
+    let mut prism = noisy_sensor(40, 101);
+    prism.architecture = ColorArchitecture::Prism;
+    let mut of_one_channel = prism.clone();
+    of_one_channel.cfa = mono();
+    let (image, exposure) = (speckle(60, 170, 2.1e-6), Exposure::new(0.05));
+    for sensor in [&windowed, &prism, &of_one_channel] {
+        let rates = ElectronRates::new(sensor, &image).unwrap();
+        let expected = sensor.capture((&rates, 1.0), &exposure, NoiseMode::All, 3).unwrap();
+        for drawn_for in [sensor, &windowed, &prism, &of_one_channel] {
+            let rates = rates.clone().with_pattern_of(drawn_for);
+            assert!(sensor.capture((&rates, 1.0), &exposure, NoiseMode::All, 3).unwrap() == expected);
+        }
+        assert_ne!(rates.clone().with_pattern_of(sensor), rates);
+    }
+}
+
 /// Sensors of one image, with unlike mosaics, windows, binning and sizes, have the bits that each has alone, for any number of threads. The width
 /// is no multiple of the columns that are summed at once.
 #[test]

@@ -26,10 +26,11 @@ pub(super) const LIGHT: Illuminant = Illuminant::D65;
 
 /// The pipeline of a camera, learned as by `smalti train --illuminants D65`; the cache keeps its statistics.
 fn pipeline(native: &Native, camera: &Camera, quality: Quality, watch: &Watch) -> Result<Pipeline, JobError> {
-    let of = DefaultTraining { camera, label: &camera.description().name, light: &LIGHT };
+    let label = camera.description().name.clone();
+    let of = DefaultTraining { camera: camera.clone(), label, light: LIGHT };
     let settings = TrainingSettings::default();
     let training = Training { quality, ..Training::default() };
-    let learned = learn_default(&[of], (&settings, &training), native.resources(watch))?;
+    let learned = learn_default(vec![of], (&settings, &training), native.resources(watch))?;
     learned.into_iter().next().ok_or(JobError::Broken)
 }
 

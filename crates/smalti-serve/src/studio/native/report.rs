@@ -2,8 +2,8 @@
 
 use smalti::camera::{Camera, ScoreSettings, TrainingSettings};
 use smalti::experiment::{
-    ComparisonSettings, ExposurePolicy, Processing, Progress as _, compare, contenders, light_notes,
-    numbered, pipelines, scene_lights, without_infrared,
+    ComparisonSettings, ExposurePolicy, PipelineTask, Pipelines, Processing, Progress as _,
+    compare_while_learning, contenders, light_notes, numbered, scene_lights, without_infrared,
 };
 use smalti::l3::Training;
 use smalti_io::studio;
@@ -39,9 +39,9 @@ pub(super) fn report(native: &Native, wanted: &Report, watch: &Watch) -> Result<
     let lights = scene_lights(&LIGHT, &scenes)?;
     let training = Training { quality: wanted.quality, ..Training::default() };
     let learning = (&TrainingSettings::default(), &training);
-    let none = cameras.iter().map(|_| None).collect();
-    let learned = pipelines(&cameras, &labels, none, &processing, learning, &lights, resources)?;
-    let (contenders, left_out) = contenders(&cameras, &labels, &learned, &processing)?;
+    let task = PipelineTask::learned((&cameras, &labels), learning, &lights);
+    let learned = Pipelines::begin(task, resources)?;
+    let (contenders, left_out) = contenders(&cameras, &labels, learned.sets(), &processing)?;
     let settings = ComparisonSettings {
         luminances_cd_m2: wanted.luminances_cd_m2.clone(),
         illuminant: LIGHT,
@@ -51,7 +51,7 @@ pub(super) fn report(native: &Native, wanted: &Report, watch: &Watch) -> Result<
         score: ScoreSettings::default(),
         exposure: ExposurePolicy::default(),
     };
-    let compared = compare(&contenders, &settings, resources)?;
+    let compared = compare_while_learning(&contenders, &learned, &settings, resources)?;
     watch.begin("writing");
     let files: Vec<String> =
         names::file_names(labels.iter().map(String::as_str)).into_iter().map(|n| n + ".toml").collect();

@@ -347,6 +347,7 @@ impl Kernel for AddSamples<'_> {
                 *z = f64::from(samples[slots[patch + offset] as usize * filters + channel]);
             }
             for (z, plane) in z[1 + offsets.len()..].iter_mut().zip(targets) {
+                // `add_products` needs numbers of single precision.
                 *z = f64::from((f64::from(plane[patch + middle]) * scale) as f32);
             }
         }

@@ -1,0 +1,234 @@
+//! Adding the scenes of the default set to what several trainings learn, which share the scenes and their optical images.
+
+use std::collections::VecDeque;
+
+use rayon::prelude::*;
+
+use super::default_training::DefaultTraining;
+use super::error::StageContext;
+use super::material::built;
+use super::progress::ensure_running;
+use super::{ExperimentError, Resources};
+use crate::camera::{
+    CameraError, Stand, TrainingScene, TrainingSettings, training_reflectances, training_scenes,
+};
+use crate::l3::Learner;
+use crate::optics::OpticalImage;
+use crate::scene::Scene;
+use crate::sensor::ElectronRates;
+
+/// Trainings of later turns that keep the light of the scenes, about 27 MB each. Others image the scenes again.
+const KEEP_AT_MOST: usize = 16;
+
+/// A camera before a scene of the set, and the light on its pixels.
+pub(super) struct Lit {
+    stand: Stand,
+    rates: [ElectronRates; 2],
+}
+
+/// The next scenes of the set before the camera of a training, in order.
+pub(super) type LitScenes = VecDeque<Lit>;
+
+/// A training and what learns for it. It has the light of all scenes if they were imaged for it before, otherwise of none.
+pub(super) struct Gathering<'a, L> {
+    pub(super) of: &'a DefaultTraining,
+    pub(super) learner: &'a mut L,
+    pub(super) lit: LitScenes,
+}
+
+/// A training whose turn comes later, and where the light of the scenes is kept for it.
+pub(super) struct Later<'a> {
+    pub(super) of: &'a DefaultTraining,
+    pub(super) lit: &'a mut LitScenes,
+}
+
+/// Trainings whose scenes have the same optical images, except for their light.
+struct Group<'a, L> {
+    /// The first of its trainings, under whose light the scenes are built.
+    first: &'a DefaultTraining,
+    now: Vec<Gathering<'a, L>>,
+    later: Vec<Later<'a>>,
+}
+
+/// Adds the default set to what all trainings learn. The optical images serve those of later turns as well. Each scene is one step of
+/// progress, once for those that learn now and once for those that learn later.
+///
+/// # Errors
+/// When a stage fails, or the work is stopped; with the label of the camera.
+pub(super) fn add_default_set<'a, L: Learner>(
+    trainings: Vec<Gathering<'a, L>>,
+    later: Vec<Later<'a>>,
+    settings: &TrainingSettings,
+    resources: Resources<'_>,
+) -> Result<(), ExperimentError> {
+    let mut groups: Vec<Group<'a, L>> = Vec::new();
+    for training in trainings {
+        match groups.iter_mut().find(|g| g.first.shares_images_with(training.of)) {
+            Some(group) => group.now.push(training),
+            None => groups.push(Group { first: training.of, now: vec![training], later: Vec::new() }),
+        }
+    }
+    for training in later.into_iter().take(if settings.has_own_images() { 0 } else { KEEP_AT_MOST }) {
+        if let Some(group) = groups.iter_mut().find(|g| g.first.shares_images_with(training.of)) {
+            group.later.push(training);
+        }
+    }
+    let learning: Vec<_> = groups
+        .into_iter()
+        .map(|group| {
+            let light = std::slice::from_ref(&group.first.light);
+            let scenes = training_scenes(light, resources.training_scenes);
+            // Those that have their light were announced with those before them.
+            if group.now.iter().all(|g| g.lit.is_empty()) {
+                let turns = if group.later.is_empty() { 1 } else { 2 };
+                resources.progress.expect(turns * scenes.len() as u64);
+            }
+            (group, scenes)
+        })
+        .collect();
+    learning.into_iter().try_for_each(|(mut group, scenes)| group.learn(&scenes, settings, resources))
+}
+
+impl<L: Learner> Group<'_, L> {
+    /// Adds all scenes.
+    fn learn(
+        &mut self,
+        scenes: &[TrainingScene],
+        settings: &TrainingSettings,
+        resources: Resources<'_>,
+    ) -> Result<(), ExperimentError> {
+        let (first, progress, stored) = (self.first, resources.progress, resources.training_scenes);
+        let is_local = self.now.iter().any(|g| g.learner.learns_local_light());
+        let needs_images = !self.later.is_empty() || self.now.iter().any(|g| g.lit.is_empty());
+        let reflectances = training_reflectances(first.camera.grid()).in_context(|| first.label.clone())?;
+        let imaged = |scene: &TrainingScene| -> Result<_, ExperimentError> {
+            if !needs_images {
+                return Ok(None);
+            }
+            ensure_running(progress)?;
+            let failed = |e: ExperimentError| e.of_camera(&first.label);
+            let context = || format!("scene {}", scene.content);
+            let built = built(scene, &first.camera, &reflectances, stored, is_local).in_context(context);
+            let built = built.map_err(failed)?;
+            let shared = || first.camera.optics.image(&built).in_context(context).map_err(failed);
+            let image = (!settings.has_own_images()).then(shared).transpose()?;
+            Ok(Some((built, image)))
+        };
+        let of = match self.now.len() {
+            1 => first.label.clone(),
+            count => format!("{count} pipelines"),
+        };
+        let mut upcoming = scenes.iter().map(|scene| (scene, imaged(scene)));
+        let mut next = upcoming.next();
+        let mut number = 0;
+        while let Some((scene, ready)) = next {
+            ensure_running(progress)?;
+            progress.begin(&format!("training {of}: {}", scene.content.name()));
+            let ready = ready?;
+            // The next scene is imaged while the current one is learned from, because both have single-threaded parts.
+            let (added, following) =
+                rayon::join(|| self.add_scene((scene, number), ready.as_ref(), settings), || upcoming.next());
+            added?;
+            (next, number) = (following, number + 1);
+            progress.done();
+        }
+        Ok(())
+    }
+
+    /// Adds a scene to what all trainings learn. `ready` is the scene, built under the light of the set's scene, and its shared optical
+    /// image, or `None` if each camera makes its own; it is needed unless all have the light of the scene.
+    fn add_scene(
+        &mut self,
+        (scene, number): (&TrainingScene, u64),
+        ready: Option<&(Scene, Option<OpticalImage>)>,
+        settings: &TrainingSettings,
+    ) -> Result<(), ExperimentError> {
+        let failed = |e: CameraError, of: &DefaultTraining| {
+            ExperimentError::stage(format!("scene {}", scene.content), e).of_camera(&of.label)
+        };
+        let item = scene.item(number);
+        match ready {
+            Some((built, None)) => {
+                return self.now.par_iter_mut().try_for_each(|g| {
+                    let light = g.of.light_instead_of(&scene.light);
+                    let relit = light.map(|light| built.clone().relit(light)).transpose();
+                    let relit = relit.map_err(|e| failed(e.into(), g.of))?;
+                    let scene = relit.as_ref().unwrap_or(built);
+                    let added = g.of.camera.train_on(g.learner, scene, settings, item);
+                    added.map_err(|e| failed(e, g.of))
+                });
+            }
+            Some((built, Some(image))) => {
+                let dark = self.now.iter_mut().filter(|g| g.lit.is_empty()).map(|g| (g.of, &mut g.lit));
+                let later = self.later.iter_mut().map(|l| (l.of, &mut *l.lit));
+                let (trainings, lit): (Vec<&DefaultTraining>, Vec<&mut LitScenes>) =
+                    dark.chain(later).unzip();
+                let stand = |of: &&DefaultTraining| {
+                    let stand = of.camera.stand(built, of.light_instead_of(&scene.light), settings);
+                    stand.map_err(|e| failed(e, of))
+                };
+                let stands = trainings.iter().map(stand).collect::<Result<Vec<_>, _>>()?;
+                let sensors: Vec<_> = stands.iter().map(Stand::sensors).collect();
+                let rates =
+                    ElectronRates::of_all(&sensors, image).map_err(|e| failed(e.into(), self.first))?;
+                for ((lit, stand), rates) in lit.into_iter().zip(stands).zip(rates) {
+                    lit.push_back(Lit { stand, rates });
+                }
+            }
+            None => {}
+        }
+        self.now.par_iter_mut().try_for_each(|g| {
+            let Some(Lit { stand, rates }) = g.lit.pop_front() else { return Ok(()) };
+            stand.learn(g.learner, rates, settings, item).map_err(|e| failed(e, g.of))
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::{Camera, CameraDescription, NoStoredScenes, TrainingContent};
+    use crate::l3::Statistics;
+    use crate::spectrum::{Illuminant, WavelengthGrid};
+
+    /// Statistics of a scene that is relit from another light are those of the scene built under the light, up to rounding: noise
+    /// changes the class of some patches.
+    #[test]
+    fn a_relit_scene_gives_the_statistics_of_its_light() {
+        let camera = Camera::new(CameraDescription::default(), WavelengthGrid::VISIBLE).unwrap();
+        let settings = TrainingSettings { exposures: vec![1.0, 0.1], ..TrainingSettings::default() };
+        let reflectances = training_reflectances(camera.grid()).unwrap();
+        let spec = "dead-leaves?rows=96&cols=96&seed=3&least=2&largest=40";
+        let spec = TrainingContent::Catalog(spec.into());
+        let under = |light: &Illuminant| TrainingScene {
+            content: spec.clone(),
+            light: light.clone(),
+            has_warm_light: false,
+        };
+        let (d65, a) = (under(&Illuminant::D65), under(&Illuminant::A));
+        let statistics = |scene: &TrainingScene| {
+            let built = scene.build(&camera, &reflectances, &NoStoredScenes).unwrap();
+            let of = DefaultTraining { camera: camera.clone(), label: "a".into(), light: Illuminant::A };
+            let spectrum = of.light.photons(camera.grid()).unwrap();
+            let mut statistics = camera.training_statistics(&settings, &spectrum).unwrap();
+            let now = vec![Gathering { of: &of, learner: &mut statistics, lit: LitScenes::new() }];
+            let image = camera.optics.image(&built).unwrap();
+            let mut group = Group { first: &of, now, later: Vec::new() };
+            group.add_scene((scene, 7), Some(&(built, Some(image))), &settings).unwrap();
+            statistics
+        };
+        let (direct, relit) = (statistics(&a), statistics(&d65));
+        assert_eq!(direct.count(), relit.count());
+        let mean = |s: &Statistics, of: usize| {
+            let all = s.classes().values();
+            all.map(|m| m.get(0, of)).sum::<f64>() / s.count() as f64
+        };
+        // 1, the patch of 25 samples, then X, Y, Z.
+        for of in [1, 13, 25, 26, 27, 28] {
+            let (direct, relit) = (mean(&direct, of), mean(&relit, of));
+            assert!((direct / relit - 1.0).abs() < 1e-5, "{of}: {direct} and {relit}");
+        }
+        let white = |s: &Statistics| s.white();
+        assert_eq!(white(&direct), white(&relit));
+    }
+}
