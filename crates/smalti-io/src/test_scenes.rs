@@ -1,10 +1,10 @@
 //! The scenes on which cameras are compared, by the names of sets and scenes.
 
 use std::path::Path;
+use std::sync::Arc;
 
-use rayon::prelude::*;
-use smalti::camera::{TEST_SAMPLES_PER_PX, TestScene};
-use smalti::spectrum::Illuminant;
+use smalti::camera::{DeferredScene, TestScene};
+use smalti::spectrum::{Illuminant, WavelengthGrid};
 
 use crate::error::At;
 use crate::rendered::StoredScene;
@@ -44,7 +44,7 @@ impl TestSet {
     pub fn scenes(self, illuminant: &Illuminant) -> Result<Vec<TestScene>, IoError> {
         let mut scenes = Vec::new();
         if matches!(self, Self::Natural | Self::All) {
-            let stored = rendered::names().par_iter().map(|scene| stored(scene, illuminant));
+            let stored = rendered::names().iter().map(|scene| stored(scene, illuminant));
             scenes = stored.collect::<Result<_, _>>()?;
         }
         if matches!(self, Self::Charts | Self::All) {
@@ -79,13 +79,17 @@ pub(crate) fn under(illuminant: &Illuminant) -> SceneRequest {
     }
 }
 
-/// A stored scene, under the illuminant if it can be relit.
-fn stored(scene: &StoredScene, illuminant: &Illuminant) -> Result<TestScene, IoError> {
-    let name = scene.name;
-    if scene.has_one_light() {
-        return Ok(TestScene::relit(name, scenes::load(name, &under(illuminant))?, TEST_SAMPLES_PER_PX));
+/// A stored scene, under the illuminant if it can be relit. It is loaded when it is first needed.
+fn stored(scene: &'static StoredScene, illuminant: &Illuminant) -> Result<TestScene, IoError> {
+    let (name, grid) = (scene.name, WavelengthGrid::VISIBLE);
+    let own_light = scene.own_light()?;
+    let mut request = SceneRequest { luminance_cd_m2: Some(1.0), ..SceneRequest::default() };
+    if own_light.is_none() {
+        illuminant.photons(grid).at(Path::new(name))?;
+        request = under(illuminant);
     }
-    TestScene::in_own_light(name, scene.load()?).at(Path::new(name))
+    let load = move || scenes::load(name, &request).map_err(|error| error.to_string());
+    Ok(TestScene::Deferred(Arc::new(DeferredScene::new(name, grid, own_light, load))))
 }
 
 /// The name of a scene without its folder, parameters and extension.

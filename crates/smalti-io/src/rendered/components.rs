@@ -57,36 +57,73 @@ pub(super) fn is_file(bytes: &[u8]) -> bool {
     bytes.starts_with(MAGIC)
 }
 
+/// What precedes the planes.
+struct Header {
+    rows: usize,
+    cols: usize,
+    grid: WavelengthGrid,
+    /// The number of components.
+    components: usize,
+    /// The steps of the logarithms of the level and of the coefficients.
+    log_step: f64,
+    step: f64,
+    /// The level whose logarithm is 0.
+    floor: f64,
+    /// The mean of the spectra.
+    mean: Vec<f64>,
+    /// The components, band by band.
+    basis: Vec<f64>,
+    /// The light of the scene, photons.
+    light: Spectrum,
+}
+
+impl Header {
+    fn read(file: &mut Reader<'_>) -> Result<Self, IoError> {
+        if file.take(MAGIC.len())? != MAGIC {
+            return Err(file.wrong("it does not begin with SMALTSPC"));
+        }
+        let version = file.u32()?;
+        if version != VERSION {
+            return Err(file.wrong(format_args!("version {version} is not version {VERSION}")));
+        }
+        let [rows, cols, bands, components] =
+            [file.u32()?, file.u32()?, file.u32()?, file.u32()?].map(|n| n as usize);
+        let [start_nm, step_nm, log_step, step] = [file.f32()?, file.f32()?, file.f32()?, file.f32()?];
+        let text = file.u32()? as usize;
+        let floor = file.f32()?;
+        let samples =
+            rows.checked_mul(cols).and_then(|n| n.checked_mul(components + 1)).filter(|&n| n <= MAX_SAMPLES);
+        if rows == 0 || cols == 0 || samples.is_none() || components >= bands || bands > 1000 {
+            return Err(
+                file.wrong(format_args!("{rows} × {cols} samples, {bands} bands, {components} components"))
+            );
+        }
+        if std::str::from_utf8(file.take(text)?).is_err() {
+            return Err(file.wrong("its text is not UTF-8"));
+        }
+        let (mean, basis) = (file.numbers(bands)?, file.numbers(bands * components)?);
+        let light = file.numbers(bands)?;
+        let path = file.path.as_path();
+        let grid = WavelengthGrid::new(start_nm, step_nm, bands).at(path)?;
+        let light = Spectrum::new(grid, light).and_then(|light| light.map(|nm, v| v * photons_per_joule(nm)));
+        let light = light.at(path)?;
+        Ok(Self { rows, cols, grid, components, log_step, step, floor, mean, basis, light })
+    }
+}
+
+/// The light of the scene of a picture, photons.
+pub(super) fn light(name: &str, bytes: &[u8]) -> Result<Spectrum, IoError> {
+    Ok(Header::read(&mut Reader { path: PathBuf::from(name), bytes })?.light)
+}
+
 /// Decodes a picture.
 pub(super) fn decode(name: &str, bytes: &[u8]) -> Result<SpectralFile, IoError> {
     let mut file = Reader { path: PathBuf::from(name), bytes };
-    if file.take(MAGIC.len())? != MAGIC {
-        return Err(file.wrong("it does not begin with SMALTSPC"));
-    }
-    let version = file.u32()?;
-    if version != VERSION {
-        return Err(file.wrong(format_args!("version {version} is not version {VERSION}")));
-    }
-    let [rows, cols, bands, components] =
-        [file.u32()?, file.u32()?, file.u32()?, file.u32()?].map(|n| n as usize);
-    let [start_nm, step_nm, log_step, step] = [file.f32()?, file.f32()?, file.f32()?, file.f32()?];
-    let text = file.u32()? as usize;
-    let floor = file.f32()?;
-    let samples =
-        rows.checked_mul(cols).and_then(|n| n.checked_mul(components + 1)).filter(|&n| n <= MAX_SAMPLES);
-    if rows == 0 || cols == 0 || samples.is_none() || components >= bands || bands > 1000 {
-        return Err(
-            file.wrong(format_args!("{rows} × {cols} samples, {bands} bands, {components} components"))
-        );
-    }
-    if std::str::from_utf8(file.take(text)?).is_err() {
-        return Err(file.wrong("its text is not UTF-8"));
-    }
-    let (mean, basis) = (file.numbers(bands)?, file.numbers(bands * components)?);
-    let light = file.numbers(bands)?;
+    let Header { rows, cols, grid, components, log_step, step, floor, mean, basis, light } =
+        Header::read(&mut file)?;
+    let bands = grid.len();
     let planes = planes(&file, rows, cols, components)?;
     let path = file.path.as_path();
-    let grid = WavelengthGrid::new(start_nm, step_nm, bands).at(path)?;
     let mut cube = Planes::zeros(rows, cols, bands);
     let area = rows * cols;
     let data = cube.data_mut();
@@ -113,12 +150,11 @@ pub(super) fn decode(name: &str, bytes: &[u8]) -> Result<SpectralFile, IoError> 
             }
         }
     }
-    let light = Spectrum::new(grid, light).and_then(|light| light.map(|nm, v| v * photons_per_joule(nm)));
     Ok(SpectralFile {
         name: name.to_owned(),
         cube: SpectralCube::new(grid, cube).at(path)?,
         quantity: Quantity::Energy,
-        illuminant: Some(light.at(path)?),
+        illuminant: Some(light),
         distance_m: None,
         horizontal_fov_deg: None,
     })

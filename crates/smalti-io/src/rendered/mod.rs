@@ -10,7 +10,7 @@ pub(crate) mod training;
 use std::path::Path;
 
 use smalti::scene::{Scene, Setting};
-use smalti::spectrum::{Illuminant, WavelengthGrid};
+use smalti::spectrum::{Illuminant, Spectrum, WavelengthGrid};
 
 use self::photograph::{decode, reflectances};
 pub use self::training::{BuiltInTrainingScenes, TrainingSet};
@@ -81,6 +81,18 @@ impl StoredScene {
     #[must_use]
     pub fn has_one_light(&self) -> bool {
         matches!(self.content, Content::Photograph(_))
+    }
+
+    /// The light of a scene whose lamps cannot be replaced: radiance of a white diffuser, photons s⁻¹ m⁻² sr⁻¹ nm⁻¹; `None` for one
+    /// that can be relit.
+    ///
+    /// # Errors
+    /// When the stored file is damaged.
+    pub(crate) fn own_light(&self) -> Result<Option<Spectrum>, IoError> {
+        match self.content {
+            Content::Rendered(bytes) => components::light(self.name, bytes).map(Some),
+            Content::Photograph(_) => Ok(None),
+        }
     }
 
     /// The scene at the distance and with the field of view of [`Setting::default`]: a rendered one in its own light, a photograph

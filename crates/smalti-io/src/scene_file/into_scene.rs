@@ -117,9 +117,8 @@ fn scaled(cube: SpectralCube, factor: impl Fn(f64) -> f64, path: &Path) -> Resul
 
 fn mean_luminance(photons: &SpectralCube, path: &Path) -> Result<f64, IoError> {
     let y = &Observer::Cie1931.photon_weights(photons.grid()).at(path)?[1];
-    let planes = photons.planes();
-    let sums = planes.planes().map(|p| p.iter().map(|&v| f64::from(v)).sum::<f64>());
-    Ok(sums.zip(y.values()).map(|(s, w)| s * w).sum::<f64>() / planes.plane_len() as f64)
+    let sum = photons.sums().iter().zip(y.values()).map(|(s, w)| s * w).sum::<f64>();
+    Ok(sum / photons.planes().plane_len() as f64)
 }
 
 fn percentile_luminance(photons: &SpectralCube, path: &Path) -> Result<f64, IoError> {

@@ -32,8 +32,8 @@ pub enum CameraError {
         /// Why.
         message: String,
     },
-    /// A training scene from a file cannot be loaded.
-    #[error("training scene {name}: {reason}")]
+    /// A scene from a file cannot be loaded.
+    #[error("scene {name}: {reason}")]
     StoredScene {
         /// Its name.
         name: String,

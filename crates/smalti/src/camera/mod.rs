@@ -10,6 +10,7 @@ mod clear_channel;
 mod colorimetry;
 pub(crate) mod compare;
 mod dark_channel;
+mod deferred_scene;
 pub mod description;
 mod error;
 pub(crate) mod evaluate;
@@ -38,6 +39,7 @@ pub use clear_channel::{NOTABLE_INFRARED_SHARE, NOTABLE_UNSHARED_SHARE, Unshared
 pub use colorimetry::{ColorimetricObserver, SensorColorimetry};
 pub use compare::{SceneScores, Setup, TEST_SAMPLES_PER_PX, compare_on, test_scenes};
 pub use dark_channel::DarkChannel;
+pub use deferred_scene::DeferredScene;
 pub use description::CameraDescription;
 pub use error::CameraError;
 pub use evaluate::{

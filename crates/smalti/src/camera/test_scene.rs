@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use super::{Camera, CameraError, Setup, TEST_SAMPLES_PER_PX, test_scenes};
+use super::{Camera, CameraError, DeferredScene, Setup, TEST_SAMPLES_PER_PX, test_scenes};
 use crate::scene::{Scene, SceneError, Setting};
-use crate::spectrum::{Illuminant, Spectrum};
+use crate::spectrum::{Illuminant, Spectrum, WavelengthGrid};
 
 /// A scene on which cameras are compared.
 #[derive(Debug, Clone, PartialEq)]
@@ -12,6 +12,8 @@ pub enum TestScene {
     /// A scene of the catalogue, by its name and parameters, with [`TEST_SAMPLES_PER_PX`] samples per pixel in each direction,
     /// under the illuminant of the comparison.
     BuiltIn(String),
+    /// A scene that is loaded when it is first needed, with [`TEST_SAMPLES_PER_PX`] samples per pixel in each direction.
+    Deferred(Arc<DeferredScene>),
     /// A given scene.
     Given {
         /// Its name.
@@ -62,30 +64,54 @@ impl TestScene {
     pub fn name(&self) -> &str {
         match self {
             Self::BuiltIn(name) | Self::Given { name, .. } => name,
+            Self::Deferred(scene) => scene.name(),
         }
     }
 
     /// Whether the scene keeps its own light instead of that of the comparison.
     #[must_use]
     pub fn keeps_light(&self) -> bool {
-        matches!(self, Self::Given { keeps_light: true, .. })
-    }
-
-    /// The illuminant of a given scene, photons. `None` for a built-in scene, which has that of the comparison.
-    #[must_use]
-    pub fn own_illuminant(&self) -> Option<&Spectrum> {
         match self {
-            Self::BuiltIn(_) => None,
-            Self::Given { scene, .. } => Some(scene.illuminant()),
+            Self::BuiltIn(_) => false,
+            Self::Deferred(scene) => scene.own_light().is_some(),
+            Self::Given { keeps_light, .. } => *keeps_light,
         }
     }
 
-    /// The last wavelength that a given scene has light at, nm. `None` for a built-in scene, which has the wavelengths of each camera.
+    /// Its wavelengths; `None` for a scene of the catalogue, which has those of each camera.
     #[must_use]
-    pub fn last_nm(&self) -> Option<f64> {
+    pub fn grid(&self) -> Option<WavelengthGrid> {
         match self {
             Self::BuiltIn(_) => None,
-            Self::Given { scene, .. } => scene.radiance().grid().wavelengths_nm().last(),
+            Self::Deferred(scene) => Some(scene.grid()),
+            Self::Given { scene, .. } => Some(scene.radiance().grid()),
+        }
+    }
+
+    /// Its illuminant at any level, photons, on its own wavelengths, or on these if it has none of its own. `illuminant` is that of the
+    /// comparison.
+    ///
+    /// # Errors
+    /// When the illuminant does not cover the wavelengths.
+    pub fn light(&self, illuminant: &Illuminant, grid: WavelengthGrid) -> Result<Spectrum, CameraError> {
+        let own = match self {
+            Self::BuiltIn(_) => None,
+            Self::Deferred(scene) => scene.own_light(),
+            Self::Given { scene, .. } => Some(scene.illuminant()),
+        };
+        let of_comparison = || illuminant.photons(self.grid().unwrap_or(grid));
+        Ok(own.map_or_else(of_comparison, |light| Ok(light.clone()))?)
+    }
+
+    /// The scene with its samples per pixel in each direction; `None` for one of the catalogue, which every camera builds.
+    ///
+    /// # Errors
+    /// When it cannot be loaded.
+    pub fn loaded(&self) -> Result<Option<(Arc<Scene>, usize)>, CameraError> {
+        match self {
+            Self::BuiltIn(_) => Ok(None),
+            Self::Deferred(scene) => Ok(Some((scene.scene()?, TEST_SAMPLES_PER_PX))),
+            Self::Given { scene, samples_per_px, .. } => Ok(Some((scene.clone(), *samples_per_px))),
         }
     }
 
@@ -99,10 +125,7 @@ impl TestScene {
         illuminant: &Illuminant,
         other: Option<&Setup>,
     ) -> Result<Setup, CameraError> {
-        let on_its_grid = match self {
-            Self::Given { scene, .. } => camera.on_grid(scene.radiance().grid())?,
-            Self::BuiltIn(_) => camera.clone(),
-        };
+        let on_its_grid = self.grid().map_or_else(|| Ok(camera.clone()), |grid| camera.on_grid(grid))?;
         match other.map(|setup| setup.before(&on_its_grid)).transpose()?.flatten() {
             Some(setup) => Ok(setup),
             None => self.before(&on_its_grid, illuminant),
@@ -114,15 +137,12 @@ impl TestScene {
     /// # Errors
     /// When the scene does not exist or a stage fails.
     pub fn before(&self, camera: &Camera, illuminant: &Illuminant) -> Result<Setup, CameraError> {
-        match self {
-            Self::BuiltIn(name) => {
-                let illuminant = illuminant.clone();
-                let setting = Setting { luminance_cd_m2: 1.0, illuminant, ..Setting::default() };
-                Setup::of_test_scene(camera, name, &setting)
-            }
-            Self::Given { scene, samples_per_px, .. } => camera
-                .on_grid(scene.radiance().grid())
-                .and_then(|camera| Setup::new(&camera, Scene::clone(scene), *samples_per_px)),
-        }
+        let Some((scene, samples_per_px)) = self.loaded()? else {
+            let illuminant = illuminant.clone();
+            let setting = Setting { luminance_cd_m2: 1.0, illuminant, ..Setting::default() };
+            return Setup::of_test_scene(camera, self.name(), &setting);
+        };
+        let camera = camera.on_grid(scene.radiance().grid())?;
+        Setup::new(&camera, Scene::clone(&scene), samples_per_px)
     }
 }

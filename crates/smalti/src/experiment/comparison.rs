@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use rayon::prelude::*;
+
 use super::contender::{Contender, ScoredScene, score_integrated};
 use super::error::StageContext;
 use super::order::Order;
@@ -131,13 +133,14 @@ fn compare_with(
         Ok(())
     };
     let is_ready = |scene: &usize| {
-        let light = settings.scenes[*scene].own_illuminant();
-        light.is_none_or(|light| contenders.iter().all(|c| c.is_ready_for(light)))
+        let light = |c: &Contender<'_>| settings.scenes[*scene].light(&settings.illuminant, c.camera.grid());
+        contenders.iter().all(|c| light(c).is_ok_and(|light| c.is_ready_for(&light)))
     };
     let (early, late): (Vec<usize>, Vec<usize>) = (0..scenes).partition(is_ready);
     // The targets show nothing before they are all done, and so come after the first scene.
     let mut early = early.into_iter();
     early.next().map_or(Ok(()), &mut score)?;
+    load(&settings.scenes)?;
     let targets = round.targets()?;
     early.try_for_each(&mut score)?;
     if !late.is_empty() {
@@ -297,6 +300,12 @@ fn verdict(
     scores.verdict(&settings.luminances_cd_m2, more_light)
 }
 
+/// Loads all scenes in parallel.
+fn load(scenes: &[TestScene]) -> Result<(), ExperimentError> {
+    let loaded = |scene: &TestScene| scene.loaded().map(drop).in_context(|| scene.name().to_owned());
+    scenes.par_iter().try_for_each(loaded)
+}
+
 /// The scenes on the camera of a contender, with the optical images of another camera where possible.
 pub(super) fn imaged(
     contender: &Contender<'_>,
@@ -304,6 +313,7 @@ pub(super) fn imaged(
     others: &[Setup],
     resources: Resources<'_>,
 ) -> Result<Vec<Setup>, ExperimentError> {
+    load(&settings.scenes)?;
     let on_camera = |scene: usize| image(contender, scene, settings, others.get(scene), resources);
     Order::of(others).map(0..settings.scenes.len(), on_camera)
 }

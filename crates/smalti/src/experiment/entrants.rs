@@ -1,5 +1,6 @@
 //! Scores of many cameras with learned pipelines: as those of a comparison, with figures alone, which fit into memory for any number.
 
+use rayon::prelude::*;
 use serde::Serialize;
 
 use super::comparison::{imaged, scene_scores};
@@ -67,11 +68,11 @@ struct ScoresKey<'a> {
     luminances_cd_m2: &'a [f64],
     seeds: [u64; 2],
     score: [f64; 2],
-    scenes: &'a [(&'a str, Option<SceneKey<'a>>)],
+    scenes: &'a [(&'a str, Option<SceneKey>)],
 }
 
 /// A given scene: rows, columns, samples per pixel, its light, and the sum of its radiance, which tells files of one name apart.
-type SceneKey<'a> = ([usize; 3], &'a Spectrum, f64);
+type SceneKey = ([usize; 3], Spectrum, f64);
 
 fn array(camera: &Camera) -> Array<'_> {
     let cfa = &camera.sensor.cfa;
@@ -79,23 +80,24 @@ fn array(camera: &Camera) -> Array<'_> {
 }
 
 /// The scenes of a comparison, for the cache key.
-fn scene_keys(scenes: &[TestScene]) -> Vec<(&str, Option<SceneKey<'_>>)> {
-    fn of(scene: &TestScene) -> (&str, Option<SceneKey<'_>>) {
-        let TestScene::Given { scene: given, samples_per_px, .. } = scene else {
-            return (scene.name(), None);
-        };
-        let radiance = given.radiance();
-        let sum = radiance.planes().data().iter().map(|v| f64::from(*v)).sum();
-        let size = [radiance.rows(), radiance.cols(), *samples_per_px];
-        (scene.name(), Some((size, given.illuminant(), sum)))
-    }
-    scenes.iter().map(of).collect()
+fn scene_keys(scenes: &[TestScene]) -> Result<Vec<(&str, Option<SceneKey>)>, ExperimentError> {
+    let of = |scene| {
+        let loaded = TestScene::loaded(scene).in_context(|| scene.name().to_owned())?;
+        let key = loaded.map(|(loaded, samples_per_px)| {
+            let radiance = loaded.radiance();
+            let sum = radiance.planes().data().iter().map(|v| f64::from(*v)).sum();
+            let size = [radiance.rows(), radiance.cols(), samples_per_px];
+            (size, loaded.illuminant().clone(), sum)
+        });
+        Ok((scene.name(), key))
+    };
+    scenes.par_iter().map(of).collect()
 }
 
 fn key(
     entrant: &Entrant,
     settings: &ComparisonSettings,
-    scenes: &[(&str, Option<SceneKey<'_>>)],
+    scenes: &[(&str, Option<SceneKey>)],
     (learning, training): (&TrainingSettings, &Training),
     stored: &dyn StoredTrainingScenes,
 ) -> Result<String, ExperimentError> {
@@ -170,7 +172,7 @@ pub fn score_entrants(
     learning: (&TrainingSettings, &Training),
     resources: Resources<'_>,
 ) -> Result<Vec<PictureFigures>, ExperimentError> {
-    let scenes = scene_keys(&settings.scenes);
+    let scenes = scene_keys(&settings.scenes)?;
     let keys = entrants
         .iter()
         .map(|e| key(e, settings, &scenes, learning, resources.training_scenes))

@@ -76,7 +76,7 @@ pub fn without_infrared(
     scenes: &[TestScene],
     illuminant: &Illuminant,
 ) -> Result<Option<String>, CameraError> {
-    let ends_nm = scenes.iter().filter_map(TestScene::last_nm);
+    let ends_nm = scenes.iter().filter_map(TestScene::grid).filter_map(|grid| grid.wavelengths_nm().last());
     let (count, last_nm) = ends_nm.fold((0, 0.0f64), |(n, last), nm| (n + 1, last.max(nm)));
     let mut names = Vec::new();
     for camera in cameras {

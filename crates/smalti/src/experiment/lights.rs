@@ -35,16 +35,17 @@ pub fn scene_lights(
 ) -> Result<Vec<SceneLight>, ExperimentError> {
     let mut lights = vec![SceneLight { illuminant: illuminant.clone(), grid: None }];
     for scene in scenes {
-        let TestScene::Given { name, scene, keeps_light, .. } = scene else { continue };
-        let (light, grid) = (scene.illuminant(), scene.radiance().grid());
+        let Some(grid) = scene.grid() else { continue };
+        let context = || scene.name().to_owned();
+        let light = &scene.light(illuminant, grid).in_context(context)?;
         let is_known =
             |known: &SceneLight| known.grid == Some(grid) && distance(&known.illuminant, light) <= SAME_LIGHT;
         if lights.iter().any(is_known) {
             continue;
         }
-        let illuminant = match distance(illuminant, light) <= SAME_LIGHT || !keeps_light {
+        let illuminant = match distance(illuminant, light) <= SAME_LIGHT || !scene.keeps_light() {
             true => illuminant.clone(),
-            false => Illuminant::of_photons(name, light).in_context(|| name.clone())?,
+            false => Illuminant::of_photons(scene.name(), light).in_context(context)?,
         };
         lights.push(SceneLight { illuminant, grid: Some(grid) });
     }

@@ -226,13 +226,10 @@ impl Scene {
         Ok(Self { radiance, horizontal_fov_deg, ..self })
     }
 
-    /// Mean of every plane. Each sum runs in a fixed order, so it does not depend on the number of threads.
+    /// Mean of every plane.
     fn plane_means(&self) -> Vec<f64> {
-        let planes: Vec<&[f32]> = self.radiance.planes().planes().collect();
-        planes
-            .par_iter()
-            .map(|p| p.iter().map(|&v| f64::from(v)).sum::<f64>() / p.len().max(1) as f64)
-            .collect()
+        let count = self.radiance.planes().plane_len().max(1) as f64;
+        self.radiance.sums().into_iter().map(|sum| sum / count).collect()
     }
 
     fn some_luminance(&self, cd_m2: f64) -> Result<f64, SceneError> {

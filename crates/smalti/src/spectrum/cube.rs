@@ -5,6 +5,9 @@ use rayon::prelude::*;
 use super::{Spectrum, SpectrumError, WavelengthGrid};
 use crate::numeric::{Planes, ShapeError};
 
+/// Planes that are summed at once, since an addition takes longer than the next one can wait for.
+const TOGETHER: usize = 4;
+
 /// Image planes over a wavelength grid, plane `i` at wavelength `i`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpectralCube {
@@ -74,6 +77,13 @@ impl SpectralCube {
         self.planes
     }
 
+    /// The sum of every plane, each in the order of its pixels and so the same for any number of threads.
+    #[must_use]
+    pub fn sums(&self) -> Vec<f64> {
+        let planes: Vec<&[f32]> = self.planes.planes().collect();
+        planes.par_chunks(TOGETHER).flat_map_iter(sums).collect()
+    }
+
     /// The spectrum of one pixel; `None` outside the image.
     #[must_use]
     pub fn pixel(&self, row: usize, col: usize) -> Option<Spectrum> {
@@ -84,5 +94,33 @@ impl SpectralCube {
         let values = self.planes.planes().map(|p| f64::from(p[at])).collect();
         // `SpectralCube::new` has checked that the values are finite.
         Spectrum::new(self.grid, values).ok()
+    }
+}
+
+/// The sums of a few planes of equal length.
+fn sums(planes: &[&[f32]]) -> Vec<f64> {
+    let [a, b, c, d] = planes else {
+        return planes.iter().map(|plane| plane.iter().map(|&v| f64::from(v)).sum()).collect();
+    };
+    let mut sums = [0.0; TOGETHER];
+    for (((a, b), c), d) in a.iter().zip(*b).zip(*c).zip(*d) {
+        for (sum, v) in sums.iter_mut().zip([a, b, c, d]) {
+            *sum += f64::from(*v);
+        }
+    }
+    sums.into()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn planes_are_summed_in_the_order_of_their_pixels() {
+        let grid = WavelengthGrid::new(400.0, 10.0, 11).unwrap();
+        let values: Vec<f32> = (0..11 * 35).map(|i| 1.0 / (1.0 + (i * i % 97) as f32)).collect();
+        let cube = SpectralCube::new(grid, Planes::new(5, 7, 11, values.clone()).unwrap()).unwrap();
+        let sum = |plane: &[f32]| plane.iter().fold(0.0, |sum, v| sum + f64::from(*v));
+        assert_eq!(cube.sums(), values.chunks(35).map(sum).collect::<Vec<f64>>());
     }
 }
