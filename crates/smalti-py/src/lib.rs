@@ -11,6 +11,7 @@ mod cluster;
 mod color;
 #[cfg(feature = "command")]
 mod command;
+mod compare;
 mod design;
 mod error;
 mod evaluate;
@@ -42,11 +43,11 @@ mod _smalti {
         cfa::{PyCfa, cfas, filters},
         cluster::{PyPartMaker, PySharedFolder, PySharedPlace, scenes_in_files},
         color::{delta_e, lab, scielab_map, xyz},
+        compare::compare,
         design::{PyDesignSearch, design_names},
         error::SmaltiError,
         evaluate::{
-            PyEvaluation, PySceneScores, compare, evaluate, light_gain, score_pictures, score_scenes,
-            test_scene_names,
+            PyEvaluation, PySceneScores, evaluate, light_gain, score_pictures, score_scenes, test_scene_names,
         },
         image::PyImage,
         l3::{PyStatistics, PyTrainingRecord, gather_statistics, refine_pipeline, solve_statistics},

@@ -17,8 +17,8 @@ use crate::optics::OpticalImage;
 use crate::scene::Scene;
 use crate::sensor::ElectronRates;
 
-/// Trainings of later turns that keep the light of the scenes, about 27 MB each. Others image the scenes again.
-const KEEP_AT_MOST: usize = 16;
+/// Trainings of later turns that keep the light of the scenes, about 30 MB each. Others image the scenes again.
+const KEEP_AT_MOST: usize = 32;
 
 /// A camera before a scene of the set, and the light on its pixels.
 pub(super) struct Lit {
