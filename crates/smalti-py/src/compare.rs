@@ -1,7 +1,6 @@
 //! Comparisons of cameras.
 
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
 use smalti::camera::{Camera, PICTURE_METRICS, ScoreSettings, TrainingSettings};
 use smalti::experiment::{
     self, ComparisonSettings, EqualExposure, ExposurePolicy, PipelineTask, Pipelines, Processing, Resources,

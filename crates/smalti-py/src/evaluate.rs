@@ -3,15 +3,14 @@
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyDict};
 use smalti::camera::{
-    Evaluation, EvaluationSettings, LightGainSettings, PICTURE_METRICS, ScoreSettings, TestScene,
-    score_picture, test_scenes,
+    Evaluation, EvaluationSettings, LightGainSettings, ScoreSettings, TestScene, score_picture, test_scenes,
 };
 use smalti::experiment::{Contender, PipelineSet, Resources, light_gain_between, score_scene};
 use smalti::numeric::Planes;
 use smalti::spectrum::{Illuminant, Observer};
+use smalti_io::SceneRequest;
 use smalti_io::cache::Cache;
 use smalti_io::test_scenes::test_scene;
-use smalti_io::{SceneRequest, memory};
 
 use crate::arrays;
 use crate::camera::PyCamera;

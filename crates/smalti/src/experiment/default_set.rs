@@ -4,21 +4,45 @@ use std::collections::VecDeque;
 
 use rayon::prelude::*;
 
-use super::default_training::DefaultTraining;
 use super::error::StageContext;
 use super::material::built;
 use super::progress::ensure_running;
 use super::{ExperimentError, Resources};
 use crate::camera::{
-    CameraError, Stand, TrainingScene, TrainingSettings, training_reflectances, training_scenes,
+    Camera, CameraError, Stand, TrainingScene, TrainingSettings, training_reflectances, training_scenes,
 };
 use crate::l3::Learner;
 use crate::optics::OpticalImage;
 use crate::scene::Scene;
 use crate::sensor::ElectronRates;
+use crate::spectrum::Illuminant;
 
 /// Trainings of later turns that keep the light of the scenes, about 30 MB each. Others image the scenes again.
 const KEEP_AT_MOST: usize = 32;
+
+/// A camera and the illuminant that its pipeline is learned under.
+#[derive(Debug, Clone)]
+pub struct DefaultTraining {
+    /// The camera.
+    pub camera: Camera,
+    /// Its name in progress and errors.
+    pub label: String,
+    /// The illuminant of the training scenes.
+    pub light: Illuminant,
+}
+
+impl DefaultTraining {
+    /// Whether a scene has the same optical image on both cameras, except for its light.
+    fn shares_images_with(&self, other: &Self) -> bool {
+        let (a, b) = (&self.camera, &other.camera);
+        a.optics == b.optics && a.sensor.pixel.pitch_m == b.sensor.pixel.pitch_m && a.grid() == b.grid()
+    }
+
+    /// Its illuminant, if it is not this one.
+    fn light_instead_of(&self, other: &Illuminant) -> Option<&Illuminant> {
+        (self.light != *other).then_some(&self.light)
+    }
+}
 
 /// A camera before a scene of the set, and the light on its pixels.
 pub(super) struct Lit {
@@ -187,9 +211,9 @@ impl<L: Learner> Group<'_, L> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::{Camera, CameraDescription, NoStoredScenes, TrainingContent};
+    use crate::camera::{CameraDescription, NoStoredScenes, TrainingContent};
     use crate::l3::Statistics;
-    use crate::spectrum::{Illuminant, WavelengthGrid};
+    use crate::spectrum::WavelengthGrid;
 
     /// Statistics of a scene that is relit from another light are those of the scene built under the light, up to rounding: noise
     /// changes the class of some patches.

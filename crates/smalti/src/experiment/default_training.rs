@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 use serde::Serialize;
 
-use super::default_set::{Gathering, Later, LitScenes, add_default_set};
+use super::default_set::{DefaultTraining, Gathering, Later, LitScenes, add_default_set};
 use super::error::StageContext;
 use super::learning::{TrainingRecord, solve};
 use super::material::{TrainingMaterial, first_light};
@@ -12,12 +12,10 @@ use super::order::Order;
 use super::training_statistics::{WhiteIn, ensure_mosaic, fresh_statistics, second_stage};
 use super::{ExperimentError, Resources};
 use crate::camera::stable_text::stable_text;
-use crate::camera::{
-    Camera, CameraDescription, StoredTrainingScenes, TRAINING_SET_REVISION, TrainingSettings,
-};
+use crate::camera::{CameraDescription, StoredTrainingScenes, TRAINING_SET_REVISION, TrainingSettings};
 use crate::l3::{self, Pipeline, Quality, Statistics, Training};
 use crate::sensor::Channel;
-use crate::spectrum::{Illuminant, Spectrum};
+use crate::spectrum::Spectrum;
 
 /// All inputs of training statistics, for the cache key.
 #[derive(Serialize)]
@@ -33,29 +31,7 @@ struct StatisticsKey<'a> {
     settings: &'a TrainingSettings,
 }
 
-/// A camera and the illuminant that its pipeline is learned under.
-#[derive(Debug, Clone)]
-pub struct DefaultTraining {
-    /// The camera.
-    pub camera: Camera,
-    /// Its name in progress and errors.
-    pub label: String,
-    /// The illuminant of the training scenes.
-    pub light: Illuminant,
-}
-
 impl DefaultTraining {
-    /// Whether a scene has the same optical image on both cameras, except for its light.
-    pub(super) fn shares_images_with(&self, other: &Self) -> bool {
-        let (a, b) = (&self.camera, &other.camera);
-        a.optics == b.optics && a.sensor.pixel.pitch_m == b.sensor.pixel.pitch_m && a.grid() == b.grid()
-    }
-
-    /// Its illuminant, if it is not this one.
-    pub(super) fn light_instead_of(&self, other: &Illuminant) -> Option<&Illuminant> {
-        (self.light != *other).then_some(&self.light)
-    }
-
     fn key(
         &self,
         settings: &TrainingSettings,

@@ -46,7 +46,8 @@ mod verdict;
 
 pub use comparison::{Compared, ComparisonSettings, compare, compare_while_learning};
 pub use contender::{Contender, ScoredScene, contenders, ensure_any_defined, score_scene};
-pub use default_training::{DefaultTraining, learn_default};
+pub use default_set::DefaultTraining;
+pub use default_training::learn_default;
 pub use design::{design, screens};
 pub use design_analysis::{DesignAnalysis, Sensitivity, analyse_design};
 pub use design_store::{DesignStore, ForgetfulStore, KeptFind};

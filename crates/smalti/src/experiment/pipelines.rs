@@ -2,7 +2,8 @@
 
 use std::sync::{Mutex, PoisonError};
 
-use super::default_training::{DefaultLessons, DefaultTraining};
+use super::default_set::DefaultTraining;
+use super::default_training::DefaultLessons;
 use super::error::StageContext;
 use super::lights::{LitPipeline, PipelineSet, SceneLight, ensure_lights_suffice};
 use super::training_statistics::ensure_mosaic;
