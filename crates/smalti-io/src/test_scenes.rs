@@ -40,7 +40,8 @@ impl TestSet {
     /// The scenes of the set under an illuminant.
     ///
     /// # Errors
-    /// When a stored scene is damaged, or the illuminant does not cover its wavelengths.
+    /// When the beginning of a stored scene is damaged, or the illuminant does not cover its wavelengths. Other damage is told where the
+    /// scene is first needed.
     pub fn scenes(self, illuminant: &Illuminant) -> Result<Vec<TestScene>, IoError> {
         let mut scenes = Vec::new();
         if matches!(self, Self::Natural | Self::All) {
@@ -58,7 +59,7 @@ impl TestSet {
 /// pixel. A name without parameters selects a scene of the set `charts` in its size there.
 ///
 /// # Errors
-/// When there is no such scene, a file cannot be read or relit, or a stored scene is damaged.
+/// When there is no such scene, a file cannot be read or relit, or the beginning of a stored scene is damaged.
 pub fn test_scene(name: &str, illuminant: &Illuminant) -> Result<TestScene, IoError> {
     if let Some(scene) = rendered::find(name) {
         return stored(scene, illuminant);
@@ -97,4 +98,30 @@ fn stored(scene: &'static StoredScene, illuminant: &Illuminant) -> Result<TestSc
 pub fn scene_label(scene: &str) -> String {
     let name = if is_meant(scene) { scene } else { scene.split('?').next().unwrap_or(scene) };
     Path::new(name).file_stem().map_or_else(|| scene.to_owned(), |s| s.to_string_lossy().into_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Pipelines are learned for the light and the wavelengths that are known before a scene is loaded.
+    #[test]
+    fn stored_scenes_have_the_light_and_the_wavelengths_that_were_stated() {
+        for (name, keeps_light) in [("natural-street", true), ("photo-fig", false)] {
+            let scene = test_scene(name, &Illuminant::A).unwrap();
+            let stated = scene.light(&Illuminant::A, WavelengthGrid::VISIBLE).unwrap();
+            let (loaded, samples_per_px) = scene.loaded().unwrap().unwrap();
+            assert_eq!((scene.keeps_light(), samples_per_px), (keeps_light, 2), "{name}");
+            assert_eq!(scene.grid(), Some(loaded.radiance().grid()));
+            assert!((loaded.mean_luminance_cd_m2().unwrap() - 1.0).abs() < 1e-5);
+            let level = loaded.illuminant().max() / stated.max();
+            let pairs = loaded.illuminant().values().iter().zip(stated.values());
+            assert!(
+                pairs.clone().all(|(its, stated)| (its / (level * stated) - 1.0).abs() < 1e-12),
+                "{name}"
+            );
+            // It is loaded once.
+            assert!(Arc::ptr_eq(&loaded, &scene.loaded().unwrap().unwrap().0));
+        }
+    }
 }

@@ -117,7 +117,7 @@ fn scaled(cube: SpectralCube, factor: impl Fn(f64) -> f64, path: &Path) -> Resul
 
 fn mean_luminance(photons: &SpectralCube, path: &Path) -> Result<f64, IoError> {
     let y = &Observer::Cie1931.photon_weights(photons.grid()).at(path)?[1];
-    let sum = photons.sums().iter().zip(y.values()).map(|(s, w)| s * w).sum::<f64>();
+    let sum = photons.plane_sums().iter().zip(y.values()).map(|(s, w)| s * w).sum::<f64>();
     Ok(sum / photons.planes().plane_len() as f64)
 }
 

@@ -32,8 +32,11 @@ pub enum CameraError {
         /// Why.
         message: String,
     },
-    /// A scene from a file cannot be loaded.
-    #[error("scene {name}: {reason}")]
+    /// A scene of a comparison cannot be loaded, for this reason.
+    #[error("{0}")]
+    DeferredScene(String),
+    /// A training scene from a file cannot be loaded.
+    #[error("training scene {name}: {reason}")]
     StoredScene {
         /// Its name.
         name: String,

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use super::contender::{Contender, ScoredScene, score_integrated};
 use super::error::StageContext;
 use super::order::Order;
-use super::outcome::Outcome;
+use super::outcome::{Outcome, means};
 use super::progress::ensure_running;
 use super::verdict::{LIGHT_METRIC, QualityAtMoreLight, Scores, Verdict};
 use super::{
@@ -84,7 +84,7 @@ pub fn compare(
     settings: &ComparisonSettings,
     resources: Resources<'_>,
 ) -> Result<Compared, ExperimentError> {
-    compare_with(contenders, &|| Ok(()), settings, resources)
+    compare_with(contenders, None, settings, resources)
 }
 
 /// [`compare`] for contenders with these pipelines, some of which may be still to be learned. Scenes that need none of those are scored
@@ -98,20 +98,28 @@ pub fn compare_while_learning(
     settings: &ComparisonSettings,
     resources: Resources<'_>,
 ) -> Result<Compared, ExperimentError> {
-    compare_with(contenders, &|| pipelines.learn_rest(resources), settings, resources)
+    compare_with(contenders, Some(pipelines), settings, resources)
 }
 
-/// [`compare`], with `learn_rest` before the scenes that a contender has no pipeline for.
+/// [`compare`], which learns the rest of the pipelines before the scenes that need it.
 fn compare_with(
     contenders: &[Contender<'_>],
-    learn_rest: &dyn Fn() -> Result<(), ExperimentError>,
+    pipelines: Option<&Pipelines>,
     settings: &ComparisonSettings,
     resources: Resources<'_>,
 ) -> Result<Compared, ExperimentError> {
     let (lights, scenes) = (settings.luminances_cd_m2.len(), settings.scenes.len());
     resources.progress.expect((contenders.len() * lights * (scenes + 1)) as u64);
-    let without_pipeline = |c: &&Contender<'_>| c.processing == Processing::L3 && c.pipelines.is_none();
-    if let Some(contender) = contenders.iter().find(without_pipeline) {
+    let has_pipeline = |c: &Contender<'_>, scene: &TestScene| {
+        let light = scene.light(&settings.illuminant, c.camera.grid());
+        light.is_ok_and(|light| c.is_ready_for(&light))
+    };
+    let mut learned = contenders.iter().filter(|c| c.processing == Processing::L3);
+    let lacks = |c: &&Contender<'_>| {
+        c.pipelines.is_none()
+            || pipelines.is_none() && !settings.scenes.iter().all(|scene| has_pipeline(c, scene))
+    };
+    if let Some(contender) = learned.find(lacks) {
         return Err(ExperimentError::NoPipeline { camera: contender.label.to_owned() });
     }
     let cameras: Vec<(&str, &Camera)> = contenders.iter().map(|c| (c.label, c.camera)).collect();
@@ -123,28 +131,25 @@ fn compare_with(
     let exposure = ExposurePlan::new(settings.exposure, &cameras, settings.pictures(&metered), resources)?;
     let mut setups: Vec<Option<Setup>> = metered.into_iter().map(Some).collect();
     setups.resize(scenes, None);
-    let round = Round { contenders, settings, exposure: &exposure, resources };
+    let scoring = Scoring { contenders, settings, exposure: &exposure, resources };
     let mut scored: Vec<Option<SceneRow>> = (0..scenes).map(|_| None).collect();
     let mut score = |scene: usize| -> Result<(), ExperimentError> {
-        let setup = setups[scene].take().map_or_else(|| round.imaged_first(scene), Ok)?;
-        scored[scene] = Some(round.scene(scene, &setup)?);
+        let setup = setups[scene].take().map_or_else(|| scoring.imaged_first(scene), Ok)?;
+        scored[scene] = Some(scoring.scene(scene, &setup)?);
         setups[scene] = Some(setup);
         resources.progress.preliminary(&preliminary_table(contenders, settings, &scored));
         Ok(())
     };
-    let is_ready = |scene: &usize| {
-        let light = |c: &Contender<'_>| settings.scenes[*scene].light(&settings.illuminant, c.camera.grid());
-        contenders.iter().all(|c| light(c).is_ok_and(|light| c.is_ready_for(&light)))
-    };
+    let is_ready = |scene: &usize| contenders.iter().all(|c| has_pipeline(c, &settings.scenes[*scene]));
     let (early, late): (Vec<usize>, Vec<usize>) = (0..scenes).partition(is_ready);
     // The targets show nothing before they are all done, and so come after the first scene.
     let mut early = early.into_iter();
     early.next().map_or(Ok(()), &mut score)?;
     load(&settings.scenes)?;
-    let targets = round.targets()?;
+    let targets = scoring.targets()?;
     early.try_for_each(&mut score)?;
-    if !late.is_empty() {
-        learn_rest()?;
+    if let Some(pipelines) = pipelines.filter(|_| !late.is_empty()) {
+        pipelines.learn_rest(resources)?;
     }
     late.into_iter().try_for_each(score)?;
     let outcomes = outcomes(settings, targets, scored);
@@ -161,14 +166,14 @@ type TargetScores = (Evaluation, Option<EdgeSfr>);
 
 /// What all scores of a comparison have in common.
 #[derive(Clone, Copy)]
-struct Round<'a> {
+struct Scoring<'a> {
     contenders: &'a [Contender<'a>],
     settings: &'a ComparisonSettings,
     exposure: &'a ExposurePlan,
     resources: Resources<'a>,
 }
 
-impl Round<'_> {
+impl Scoring<'_> {
     /// A scene on the camera of the first contender.
     fn imaged_first(&self, scene: usize) -> Result<Setup, ExperimentError> {
         let first = self.contenders.first().ok_or(ExperimentError::NothingToCompare)?;
@@ -242,9 +247,9 @@ fn preliminary_table(
     let mut table = format!("Means over {count} of {} scenes", scored.len());
     for (light, luminance_cd_m2) in settings.luminances_cd_m2.iter().enumerate() {
         for (number, contender) in contenders.iter().enumerate() {
-            let of_scenes = || scored.iter().flatten().filter_map(|row| row.get(number)?.get(light));
-            let mean = |metric: usize| of_scenes().map(|s| s.means()[metric]).sum::<f64>() / count as f64;
-            let [cpsnr_db, delta_e, scielab] = std::array::from_fn(mean);
+            let of_scenes = scored.iter().flatten().filter_map(|row| row.get(number)?.get(light));
+            let of_scenes: Vec<&ScoredScene> = of_scenes.collect();
+            let [cpsnr_db, delta_e, scielab] = means(of_scenes.iter().copied());
             table += &format!(
                 "\n{:width$} {luminance_cd_m2:>6} cd/m²  CPSNR {cpsnr_db:5.2} dB  ΔE2000 {delta_e:5.2}  S-CIELAB {scielab:5.2}",
                 contender.name(),

@@ -72,10 +72,10 @@ impl<'a> Contender<'a> {
         self.pipelines.map(|pipelines| pipelines.main().quality())
     }
 
-    /// Whether it can render scenes under a light (photons). A learned pipeline for the light may be still to come.
+    /// Whether it can render scenes under a light (photons): its pipeline for the light may be still to be learned.
     pub(super) fn is_ready_for(&self, light: &Spectrum) -> bool {
-        let lacks = |pipelines: &PipelineSet| pipelines.for_light(light).is_none();
-        self.processing != Processing::L3 || !self.pipelines.is_some_and(lacks)
+        self.processing != Processing::L3
+            || self.pipelines.is_some_and(|pipelines| pipelines.for_light(light).is_some())
     }
 
     /// Whether the processing is defined for the camera's mosaic.

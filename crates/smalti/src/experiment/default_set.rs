@@ -17,8 +17,12 @@ use crate::scene::Scene;
 use crate::sensor::ElectronRates;
 use crate::spectrum::Illuminant;
 
-/// Trainings of later turns that keep the light of the scenes, about 30 MB each. Others image the scenes again.
-const KEEP_AT_MOST: usize = 32;
+/// Trainings of later turns that keep the light of the scenes of a stage. Others image the scenes again.
+const KEEP_AT_MOST: u64 = 32;
+/// What such a training keeps: four planes in single precision of the 30 scenes of 256 × 256 pixels.
+const KEPT_BYTES: u64 = 30 * 256 * 256 * 4 * 4;
+/// The share of the free memory that is kept at most.
+const KEPT_SHARE: u64 = 8;
 
 /// A camera and the illuminant that its pipeline is learned under.
 #[derive(Debug, Clone)]
@@ -33,7 +37,7 @@ pub struct DefaultTraining {
 
 impl DefaultTraining {
     /// Whether a scene has the same optical image on both cameras, except for its light.
-    fn shares_images_with(&self, other: &Self) -> bool {
+    pub(super) fn shares_images_with(&self, other: &Self) -> bool {
         let (a, b) = (&self.camera, &other.camera);
         a.optics == b.optics && a.sensor.pixel.pitch_m == b.sensor.pixel.pitch_m && a.grid() == b.grid()
     }
@@ -56,6 +60,8 @@ pub(super) type LitScenes = VecDeque<Lit>;
 /// A training and what learns for it. It has the light of all scenes if they were imaged for it before, otherwise of none.
 pub(super) struct Gathering<'a, L> {
     pub(super) of: &'a DefaultTraining,
+    /// The illuminant that the scenes are built under.
+    pub(super) built_under: &'a Illuminant,
     pub(super) learner: &'a mut L,
     pub(super) lit: LitScenes,
 }
@@ -68,8 +74,10 @@ pub(super) struct Later<'a> {
 
 /// Trainings whose scenes have the same optical images, except for their light.
 struct Group<'a, L> {
-    /// The first of its trainings, under whose light the scenes are built.
+    /// The first of those that learn.
     first: &'a DefaultTraining,
+    /// The illuminant that the scenes are built under.
+    built_under: &'a Illuminant,
     now: Vec<Gathering<'a, L>>,
     later: Vec<Later<'a>>,
 }
@@ -89,10 +97,15 @@ pub(super) fn add_default_set<'a, L: Learner>(
     for training in trainings {
         match groups.iter_mut().find(|g| g.first.shares_images_with(training.of)) {
             Some(group) => group.now.push(training),
-            None => groups.push(Group { first: training.of, now: vec![training], later: Vec::new() }),
+            None => {
+                let (first, built_under) = (training.of, training.built_under);
+                groups.push(Group { first, built_under, now: vec![training], later: Vec::new() });
+            }
         }
     }
-    for training in later.into_iter().take(if settings.has_own_images() { 0 } else { KEEP_AT_MOST }) {
+    let fit = resources.memory_bytes.map_or(KEEP_AT_MOST, |bytes| bytes / KEPT_SHARE / KEPT_BYTES);
+    let kept = if settings.has_own_images() { 0 } else { fit.min(KEEP_AT_MOST) };
+    for training in later.into_iter().take(kept as usize) {
         if let Some(group) = groups.iter_mut().find(|g| g.first.shares_images_with(training.of)) {
             group.later.push(training);
         }
@@ -100,9 +113,9 @@ pub(super) fn add_default_set<'a, L: Learner>(
     let learning: Vec<_> = groups
         .into_iter()
         .map(|group| {
-            let light = std::slice::from_ref(&group.first.light);
+            let light = std::slice::from_ref(group.built_under);
             let scenes = training_scenes(light, resources.training_scenes);
-            // Those that have their light were announced with those before them.
+            // The turn that imaged scenes for some of a group has announced the steps of the group as well.
             if group.now.iter().all(|g| g.lit.is_empty()) {
                 let turns = if group.later.is_empty() { 1 } else { 2 };
                 resources.progress.expect(turns * scenes.len() as u64);
@@ -202,7 +215,7 @@ impl<L: Learner> Group<'_, L> {
             None => {}
         }
         self.now.par_iter_mut().try_for_each(|g| {
-            let Some(Lit { stand, rates }) = g.lit.pop_front() else { return Ok(()) };
+            let Lit { stand, rates } = g.lit.pop_front().ok_or(ExperimentError::NoScene)?;
             stand.learn(g.learner, rates, settings, item).map_err(|e| failed(e, g.of))
         })
     }
@@ -235,9 +248,10 @@ mod tests {
             let of = DefaultTraining { camera: camera.clone(), label: "a".into(), light: Illuminant::A };
             let spectrum = of.light.photons(camera.grid()).unwrap();
             let mut statistics = camera.training_statistics(&settings, &spectrum).unwrap();
-            let now = vec![Gathering { of: &of, learner: &mut statistics, lit: LitScenes::new() }];
+            let (built_under, lit) = (&scene.light, LitScenes::new());
+            let now = vec![Gathering { of: &of, built_under, learner: &mut statistics, lit }];
             let image = camera.optics.image(&built).unwrap();
-            let mut group = Group { first: &of, now, later: Vec::new() };
+            let mut group = Group { first: &of, built_under, now, later: Vec::new() };
             group.add_scene((scene, 7), Some(&(built, Some(image))), &settings).unwrap();
             statistics
         };

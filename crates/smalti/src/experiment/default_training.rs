@@ -15,7 +15,7 @@ use crate::camera::stable_text::stable_text;
 use crate::camera::{CameraDescription, StoredTrainingScenes, TRAINING_SET_REVISION, TrainingSettings};
 use crate::l3::{self, Pipeline, Quality, Statistics, Training};
 use crate::sensor::Channel;
-use crate::spectrum::Spectrum;
+use crate::spectrum::{Illuminant, Spectrum};
 
 /// All inputs of training statistics, for the cache key.
 #[derive(Serialize)]
@@ -61,7 +61,7 @@ impl DefaultTraining {
 /// # Errors
 /// When a camera has no mosaic, a setting is invalid, memory does not suffice, or the work is stopped; with the label of the camera.
 pub fn learn_default(
-    trainings: Vec<DefaultTraining>,
+    trainings: &[DefaultTraining],
     (settings, training): (&TrainingSettings, &Training),
     resources: Resources<'_>,
 ) -> Result<Vec<Pipeline>, ExperimentError> {
@@ -80,6 +80,9 @@ pub(super) struct DefaultLessons {
 /// The pipeline of a training before it is learned.
 struct Lesson {
     of: DefaultTraining,
+    /// The illuminant that its scenes are built under: that of the first of all trainings with the same optical images, of which some may
+    /// be in the store, so that what is stored changes no bit.
+    built_under: Illuminant,
     /// The illuminant, photons.
     light: Spectrum,
     statistics: Statistics,
@@ -98,11 +101,13 @@ struct Lesson {
 impl DefaultLessons {
     /// As [`learn_default`], before anything is learned.
     pub(super) fn new(
-        trainings: Vec<DefaultTraining>,
+        trainings: &[DefaultTraining],
         (settings, training): (&TrainingSettings, &Training),
         resources: Resources<'_>,
     ) -> Result<Self, ExperimentError> {
         let lesson = |of: DefaultTraining| -> Result<Lesson, ExperimentError> {
+            let first = trainings.iter().find(|first| first.shares_images_with(&of));
+            let built_under = first.map_or(&of.light, |first| &first.light).clone();
             ensure_mosaic(&of.camera, &of.label)?;
             let light = first_light(std::slice::from_ref(&of.light), &of.camera)?;
             let key = of.key(settings, &light, resources.training_scenes)?;
@@ -116,13 +121,14 @@ impl DefaultLessons {
                 Quality::Fast => None,
                 Quality::Best => resources.store.pipeline(&key_of_both),
             };
-            Ok(Lesson { of, light, statistics, key, is_new, both, key_of_both, lit: Default::default() })
+            let lit = Default::default();
+            Ok(Lesson { of, built_under, light, statistics, key, is_new, both, key_of_both, lit })
         };
         let lesson = |of: DefaultTraining| {
             let label = of.label.clone();
             lesson(of).map_err(|e| e.of_camera(&label))
         };
-        let lessons = trainings.into_iter().map(lesson).collect::<Result<_, _>>()?;
+        let lessons = trainings.iter().cloned().map(lesson).collect::<Result<_, _>>()?;
         Ok(Self { lessons, settings: settings.clone(), training: training.clone() })
     }
 
@@ -138,8 +144,8 @@ impl DefaultLessons {
         let Self { lessons, settings, training } = self;
         let mut now: Vec<Lesson> = lessons.drain(..count.min(lessons.len())).collect();
         let new = now.iter_mut().filter(|lesson| lesson.is_new).map(|lesson| {
-            let Lesson { of, statistics, lit: [lit, _], .. } = lesson;
-            Gathering { of, learner: statistics, lit: std::mem::take(lit) }
+            let Lesson { of, built_under, statistics, lit: [lit, _], .. } = lesson;
+            Gathering { of, built_under, learner: statistics, lit: std::mem::take(lit) }
         });
         let later = lessons.iter_mut().filter(|lesson| lesson.is_new).map(|lesson| {
             let Lesson { of, lit: [lit, _], .. } = lesson;
@@ -165,8 +171,8 @@ impl DefaultLessons {
             stages.push((stage.map_err(|e| e.of_camera(&of.label))?, lesson));
         }
         let missing = stages.iter_mut().map(|(stage, lesson)| {
-            let Lesson { of, lit: [_, lit], .. } = &mut **lesson;
-            Gathering { of, learner: stage, lit: std::mem::take(lit) }
+            let Lesson { of, built_under, lit: [_, lit], .. } = &mut **lesson;
+            Gathering { of, built_under, learner: stage, lit: std::mem::take(lit) }
         });
         let later = lessons.iter_mut().filter(|lesson| lesson.both.is_none()).map(|lesson| {
             let Lesson { of, lit: [_, lit], .. } = lesson;

@@ -61,7 +61,9 @@ pub enum ExperimentError {
         architecture: &'static str,
     },
     /// A camera of a comparison has no pipeline.
-    #[error("{camera}: a comparison with learned pipelines needs one for each camera")]
+    #[error(
+        "{camera}: a comparison with learned pipelines needs one for each camera, in the light of each scene"
+    )]
     NoPipeline {
         /// The camera's name.
         camera: String,

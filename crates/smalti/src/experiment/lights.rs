@@ -91,14 +91,14 @@ pub struct LitPipeline {
 }
 
 /// The pipelines of a camera, each for a light. That for the illuminant of the comparison is learned; others may still be.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub struct PipelineSet {
     first: LitPipeline,
     others: Vec<OtherLight>,
 }
 
 /// A light and its pipeline, once that is learned.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 struct OtherLight {
     illuminant: Illuminant,
     grid: WavelengthGrid,
@@ -125,11 +125,9 @@ impl PipelineSet {
 
     /// Takes a pipeline that was expected.
     pub(super) fn learned(&self, lit: LitPipeline) {
-        let is_free = |o: &&OtherLight| {
-            (&o.illuminant, o.grid) == (&lit.illuminant, lit.grid) && o.learned.get().is_none()
-        };
-        if let Some(other) = self.others.iter().find(is_free) {
-            let _ = other.learned.set(lit);
+        let is_for = |o: &&OtherLight| (&o.illuminant, o.grid) == (&lit.illuminant, lit.grid);
+        if let Some(other) = self.others.iter().find(is_for) {
+            other.learned.get_or_init(|| lit);
         }
     }
 

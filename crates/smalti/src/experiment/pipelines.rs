@@ -22,11 +22,17 @@ pub struct Pipelines {
 /// The pipelines of the second turn.
 struct Rest {
     lessons: DefaultLessons,
-    of: Vec<CameraLight>,
+    learned_for: Vec<CameraLight>,
 }
 
-/// The number of a camera, and the light and wavelengths of a pipeline.
-type CameraLight = (usize, Illuminant, WavelengthGrid);
+/// What a pipeline is learned for.
+#[derive(PartialEq)]
+struct CameraLight {
+    /// The number of the camera.
+    camera: usize,
+    illuminant: Illuminant,
+    grid: WavelengthGrid,
+}
 
 /// The cameras of a comparison and what their pipelines are to be.
 pub struct PipelineTask<'a> {
@@ -45,7 +51,7 @@ pub struct PipelineTask<'a> {
 }
 
 impl<'a> PipelineTask<'a> {
-    /// Pipelines that are all learned, for cameras and their labels.
+    /// The task for cameras and their labels whose pipelines are all to be learned.
     #[must_use]
     pub fn learned(
         (cameras, labels): (&'a [Camera], &'a [String]),
@@ -71,27 +77,28 @@ impl Pipelines {
         &self.sets
     }
 
-    /// Learns what is still to be learned. Each training scene is a step of progress.
+    /// Learns what is still to be learned. Each training scene is a step of progress. After an error, nothing more can be learned.
     ///
     /// # Errors
     /// As [`Pipelines::begin`].
     pub fn learn_rest(&self, resources: Resources<'_>) -> Result<(), ExperimentError> {
         let rest = self.rest.lock().unwrap_or_else(PoisonError::into_inner).take();
-        let Some(Rest { mut lessons, of }) = rest else { return Ok(()) };
-        let learned = lessons.learn_next(of.len(), resources)?;
-        self.keep(of.into_iter().zip(learned));
+        let Some(Rest { mut lessons, learned_for }) = rest else { return Ok(()) };
+        let learned = lessons.learn_next(learned_for.len(), resources)?;
+        self.keep(learned_for.into_iter().zip(learned));
         Ok(())
     }
 
+    /// Takes pipelines that the sets expect.
     fn keep(&self, learned: impl Iterator<Item = (CameraLight, Pipeline)>) {
-        for ((number, illuminant, grid), pipeline) in learned {
-            if let Some(Some(set)) = self.sets.get(number) {
+        for (CameraLight { camera, illuminant, grid }, pipeline) in learned {
+            if let Some(Some(set)) = self.sets.get(camera) {
                 set.learned(LitPipeline { illuminant, grid, pipeline });
             }
         }
     }
 
-    /// Learns under the first `at_first` lights. All of a camera's pipelines are its set, the first of them that for the first light.
+    /// Learns under the first `at_first` lights, at least one.
     fn learn(
         task: PipelineTask<'_>,
         at_first: usize,
@@ -110,8 +117,10 @@ impl Pipelines {
             given.map(|given| PipelineSet::of_any_light(&first.illuminant, camera, given))
         };
         let mut sets: Vec<Option<PipelineSet>> = given.map(of_given).collect();
-        // Light by light, so that those of the first lights come first.
-        let (mut of, mut trainings): (Vec<CameraLight>, Vec<DefaultTraining>) = (Vec::new(), Vec::new());
+        // Light by light, so that the pipelines of the first turn come first, and of these the main one of each camera.
+        let mut main: Vec<CameraLight> = Vec::new();
+        let mut others: Vec<CameraLight> = Vec::new();
+        let mut trainings: Vec<DefaultTraining> = Vec::new();
         let mut count_at_first = 0;
         for (place, SceneLight { illuminant, grid }) in lights.iter().enumerate() {
             for (number, (camera, label)) in labelled().enumerate() {
@@ -122,36 +131,35 @@ impl Pipelines {
                     Some(grid) => camera.on_grid(grid).in_context(|| label.to_owned())?,
                     None => camera.clone(),
                 };
-                let light = (number, illuminant.clone(), on_grid.grid());
-                if !of.contains(&light) {
-                    of.push(light);
-                    let (label, light) = (label.clone(), illuminant.clone());
-                    trainings.push(DefaultTraining { camera: on_grid, label, light });
+                let light =
+                    CameraLight { camera: number, illuminant: illuminant.clone(), grid: on_grid.grid() };
+                if main.contains(&light) || others.contains(&light) {
+                    continue;
                 }
+                if place == 0 {
+                    main.push(light)
+                } else {
+                    others.push(light)
+                }
+                let (label, light) = (label.clone(), illuminant.clone());
+                trainings.push(DefaultTraining { camera: on_grid, label, light });
             }
             if place < at_first {
-                count_at_first = of.len();
+                count_at_first = trainings.len();
             }
         }
-        let mut lessons = DefaultLessons::new(trainings, learning, resources)?;
-        let learned = lessons.learn_next(count_at_first, resources)?;
-        let later = of.split_off(count_at_first);
-        let mut others = Vec::new();
-        for ((number, illuminant, grid), pipeline) in of.into_iter().zip(learned) {
-            match &mut sets[number] {
-                none @ None => *none = Some(PipelineSet::single(LitPipeline { illuminant, grid, pipeline })),
-                Some(set) => {
-                    set.expect(illuminant.clone(), grid);
-                    others.push(((number, illuminant, grid), pipeline));
-                }
-            }
+        let mut lessons = DefaultLessons::new(&trainings, learning, resources)?;
+        let mut learned = lessons.learn_next(count_at_first, resources)?.into_iter();
+        let later = others.split_off(count_at_first - main.len());
+        for (CameraLight { camera, illuminant, grid }, pipeline) in main.into_iter().zip(&mut learned) {
+            sets[camera] = Some(PipelineSet::single(LitPipeline { illuminant, grid, pipeline }));
         }
-        for (number, illuminant, grid) in &later {
-            sets[*number].iter_mut().for_each(|set| set.expect(illuminant.clone(), *grid));
+        for CameraLight { camera, illuminant, grid } in others.iter().chain(&later) {
+            sets[*camera].iter_mut().for_each(|set| set.expect(illuminant.clone(), *grid));
         }
-        let rest = (!later.is_empty()).then_some(Rest { lessons, of: later });
+        let rest = (!later.is_empty()).then_some(Rest { lessons, learned_for: later });
         let pipelines = Self { sets, rest: Mutex::new(rest) };
-        pipelines.keep(others.into_iter());
+        pipelines.keep(others.into_iter().zip(learned));
         Ok(pipelines)
     }
 }

@@ -229,7 +229,7 @@ impl Scene {
     /// Mean of every plane.
     fn plane_means(&self) -> Vec<f64> {
         let count = self.radiance.planes().plane_len().max(1) as f64;
-        self.radiance.sums().into_iter().map(|sum| sum / count).collect()
+        self.radiance.plane_sums().into_iter().map(|sum| sum / count).collect()
     }
 
     fn some_luminance(&self, cd_m2: f64) -> Result<f64, SceneError> {

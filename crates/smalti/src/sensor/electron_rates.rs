@@ -75,8 +75,8 @@ impl ElectronRates {
         Ok(Collector::of_all(&fine, image)?.iter().map(|c| c.each_ref().map(rates)).collect())
     }
 
-    /// The same rates with the random numbers behind the fixed pattern of their sensor, which captures of these rates then need not draw
-    /// again. The captures have the same bits. Rates of another sensor stay as they are.
+    /// The same rates with the random numbers behind the fixed pattern of a sensor, which captures of these rates by this sensor then need
+    /// not draw again. The captures have the same bits. Rates of another window or of other planes get none.
     #[must_use]
     pub fn with_pattern_of(self, sensor: &Sensor) -> Self {
         let sensor = sensor.unbinned();

@@ -9,7 +9,7 @@ use crate::numeric::philox::key;
 use crate::numeric::poisson::{LANES, LaneCounter};
 use crate::numeric::simd::{Kernel, dispatch};
 
-/// Rows that one task draws.
+/// The least number of rows that one task draws.
 const TASK_ROWS: usize = 16;
 
 /// The purpose of the random numbers of gain, offset and defects of a pixel, keyed by the serial number.
@@ -102,6 +102,7 @@ impl Pattern {
     pub(super) fn block(&self, (row, col, plane): (u32, u32, u32)) -> &PatternBlock {
         let plane = if self.source.separate { plane as usize } else { 0 };
         let (row, col) = (row as usize - self.window.row, col as usize - self.window.col);
+        debug_assert!(col.is_multiple_of(LANES), "{col}");
         let blocks_per_row = self.window.cols.div_ceil(LANES);
         &self.blocks[(plane * self.window.rows + row) * blocks_per_row + col / LANES]
     }

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::{Spectrum, SpectrumError, WavelengthGrid};
 use crate::numeric::{Planes, ShapeError};
 
-/// Planes that are summed at once, since an addition takes longer than the next one can wait for.
+/// Planes that are summed at once: each sum waits for its last addition, while those of other planes proceed.
 const TOGETHER: usize = 4;
 
 /// Image planes over a wavelength grid, plane `i` at wavelength `i`.
@@ -79,7 +79,7 @@ impl SpectralCube {
 
     /// The sum of every plane, each in the order of its pixels and so the same for any number of threads.
     #[must_use]
-    pub fn sums(&self) -> Vec<f64> {
+    pub fn plane_sums(&self) -> Vec<f64> {
         let planes: Vec<&[f32]> = self.planes.planes().collect();
         planes.par_chunks(TOGETHER).flat_map_iter(sums).collect()
     }
@@ -121,6 +121,6 @@ mod tests {
         let values: Vec<f32> = (0..11 * 35).map(|i| 1.0 / (1.0 + (i * i % 97) as f32)).collect();
         let cube = SpectralCube::new(grid, Planes::new(5, 7, 11, values.clone()).unwrap()).unwrap();
         let sum = |plane: &[f32]| plane.iter().fold(0.0, |sum, v| sum + f64::from(*v));
-        assert_eq!(cube.sums(), values.chunks(35).map(sum).collect::<Vec<f64>>());
+        assert_eq!(cube.plane_sums(), values.chunks(35).map(sum).collect::<Vec<f64>>());
     }
 }

@@ -1,14 +1,17 @@
 //! Comparisons that score scenes before all pipelines are learned.
 #![allow(missing_docs, clippy::unwrap_used)]
 
+use std::collections::HashMap;
 use std::sync::Mutex;
 
-use smalti::camera::{Camera, CameraDescription, ScoreSettings, TestScene, TrainingSettings};
+use smalti::camera::{Camera, CameraDescription, CameraError, ScoreSettings, TestScene, TrainingSettings};
 use smalti::experiment::{
-    Compared, ComparisonSettings, ExposurePolicy, LitPipeline, PipelineSet, PipelineTask, Pipelines,
-    Processing, Progress, Resources, compare, compare_while_learning, contenders, pipelines, scene_lights,
+    Compared, ComparisonSettings, ExperimentError, ExposurePolicy, LitPipeline, PipelineSet, PipelineTask,
+    Pipelines, Processing, Progress, Resources, Store, compare, compare_while_learning, contenders,
+    pipelines, scene_lights,
 };
-use smalti::l3::{Quality, Training};
+use smalti::l3::{Quality, Statistics, Training};
+use smalti::optics::OpticalImage;
 use smalti::scene::{Setting, catalog};
 use smalti::spectrum::Illuminant;
 
@@ -37,6 +40,28 @@ impl Progress for Recorder {
 
     fn preliminary(&self, table: &str) {
         self.told.lock().unwrap().push(table.lines().next().unwrap().to_owned());
+    }
+}
+
+/// Keeps statistics.
+#[derive(Default)]
+struct KeptStatistics(Mutex<HashMap<String, Statistics>>);
+
+impl Store for KeptStatistics {
+    fn optical_image(
+        &self,
+        _: &str,
+        make: &dyn Fn() -> Result<OpticalImage, CameraError>,
+    ) -> Result<OpticalImage, CameraError> {
+        make()
+    }
+
+    fn statistics(&self, key: &str) -> Option<Statistics> {
+        self.0.lock().unwrap().get(key).cloned()
+    }
+
+    fn keep_statistics(&self, key: &str, statistics: &Statistics) {
+        self.0.lock().unwrap().insert(key.to_owned(), statistics.clone());
     }
 }
 
@@ -84,20 +109,26 @@ fn the_first_scores_precede_the_pipelines_of_other_lights_and_nothing_else_chang
     let (all, _) = contenders(&cameras, &labels, &together, &[Processing::L3]).unwrap();
     let expected = compare(&all, &settings, Resources::default()).unwrap();
 
-    let recorder = Recorder::default();
-    let resources = Resources { progress: &recorder, ..Resources::default() };
+    let (recorder, store) = (Recorder::default(), KeptStatistics::default());
+    let resources = Resources { progress: &recorder, store: &store, ..Resources::default() };
     let in_turns = Pipelines::begin(task(), resources).unwrap();
     assert_eq!(tables(in_turns.sets()).len(), 1);
     let (some, _) = contenders(&cameras, &labels, in_turns.sets(), &[Processing::L3]).unwrap();
-    assert!(compare(&some, &settings, Resources::default()).is_err());
+    let refused = compare(&some, &settings, Resources::default());
+    assert!(matches!(refused, Err(ExperimentError::NoPipeline { camera }) if camera == "a"));
+    // As if the work had been stopped here and begun again.
+    assert_eq!(store.0.lock().unwrap().len(), 1);
+    let again = pipelines(task(), Resources { store: &store, ..Resources::default() }).unwrap();
+    store.0.lock().unwrap().clear();
     let found = compare_while_learning(&some, &in_turns, &settings, resources).unwrap();
 
     assert_eq!(figures(&found), figures(&expected));
     let (its, other) = (tables(in_turns.sets()), tables(&together));
     assert_eq!(its.len(), 2);
-    for (its, other) in its.iter().zip(&other) {
+    for ((its, other), again) in its.iter().zip(&other).zip(tables(&again)) {
         assert_eq!((&its.illuminant, its.grid), (&other.illuminant, other.grid));
         assert!(its.pipeline == other.pipeline, "{}", its.illuminant.name());
+        assert!(again.pipeline == other.pipeline, "{} after a stop", its.illuminant.name());
     }
     let told = recorder.told.into_inner().unwrap();
     let first = told.iter().position(|t| t.starts_with("Means over 1 of 2 scenes")).unwrap();

@@ -30,7 +30,7 @@ fn pipeline(native: &Native, camera: &Camera, quality: Quality, watch: &Watch) -
     let of = DefaultTraining { camera: camera.clone(), label, light: LIGHT };
     let settings = TrainingSettings::default();
     let training = Training { quality, ..Training::default() };
-    let learned = learn_default(vec![of], (&settings, &training), native.resources(watch))?;
+    let learned = learn_default(&[of], (&settings, &training), native.resources(watch))?;
     learned.into_iter().next().ok_or(JobError::Broken)
 }
 
