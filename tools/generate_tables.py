@@ -5,7 +5,7 @@
     python3 tools/generate_tables.py && cargo fmt
 
 Each table names its primary source. The numbers were read from the package (BSD-3-Clause), except for the
-natural reflectances, which are in tools/data with their source and licence, and those of surfaces, which are in
+reflectances of natural objects and paints, which are in tools/data with their source and licence, and those of surfaces, which are in
 tools/scenes/data.
 """
 import csv
@@ -87,15 +87,18 @@ def main():
         + "".join(f'    "{s[0]}",\n' for s in surfaces) + "];\n\n",
         table("SURFACES", "Means over bands of 10 nm. The sources are in tools/scenes/README.md.", float(head[2]), 10, rows),
     ])
-    lines = (DATA / "natural_reflectances.csv").read_text().splitlines()
-    objects = [line.split(",") for line in lines if not line.startswith("#")]
-    rows = list(zip(*[[int(v) / 1e5 for v in o[1:]] for o in objects]))
-    n = len(objects)
-    write("natural.rs", "Reflectances of natural objects.", [
-        f"/// What they are, in the order of the columns.\npub static NATURAL_NAMES: [&str; {n}] = [\n"
-        + "".join(f'    "{o[0]}",\n' for o in objects) + "];\n\n",
-        table("NATURAL", "Selected from Morimoto et al. (2022), doi 10.5281/zenodo.5189606, CC BY 4.0.", 380, 10, rows),
-    ])
+    for stem, doc, source in (
+        ("natural", "Reflectances of natural objects.", "Selected from Morimoto et al. (2022), doi 10.5281/zenodo.5189606, CC BY 4.0."),
+        ("paint", "Reflectances of painted chips.", "Selected from the matte Munsell chips that J. Hiltunen measured; tools/data/paint_reflectances.csv has the source."),
+    ):
+        lines = (DATA / f"{stem}_reflectances.csv").read_text().splitlines()
+        objects = [line.split(",") for line in lines if not line.startswith("#")]
+        rows = list(zip(*[[int(v) / 1e5 for v in o[1:]] for o in objects]))
+        write(f"{stem}.rs", doc, [
+            f"/// What they are, in the order of the columns.\npub static {stem.upper()}_NAMES: [&str; {len(objects)}] = [\n"
+            + "".join(f'    "{o[0]}",\n' for o in objects) + "];\n\n",
+            table(stem.upper(), source, 380, 10, rows),
+        ])
 
 
 main()

@@ -61,7 +61,8 @@ pub use test_scene::TestScene;
 pub use training::TrainingItem;
 pub(crate) use training::{HIGHEST_CUT, Stand};
 pub use training_set::{
-    DEFAULT_TRAINING_LIGHT, NoStoredScenes, StoredTrainingScenes, TRAINING_SET_REVISION, TrainingContent,
-    TrainingScene, training_reflectances, training_scenes,
+    DEFAULT_TRAINING_LIGHT, NoStoredScenes, StoredTrainingScenes, SurfaceReflectances, Surfaces,
+    TRAINING_SET_REVISION, TrainingContent, TrainingScene, refinement_scenes, training_reflectances,
+    training_scenes,
 };
 pub use training_settings::{LevelRule, TrainingSettings, TrainingTarget};

@@ -7,8 +7,8 @@ use crate::color::jakob_hanika2019::Uplift;
 use crate::scene::{Scene, Setting, catalog};
 use crate::spectrum::{Illuminant, Observer, Spectrum, WavelengthGrid, reflectance};
 
-/// Revision of the default training set. It increases when the scenes or their parts that are learned from change, so that cached
-/// statistics are not reused.
+/// Revision of the default training set of the first stage. It increases when the scenes or their parts that are learned from change, so
+/// that cached statistics are not reused. That of the second stage is part of [`REFINEMENT_REVISION`](crate::l3::REFINEMENT_REVISION).
 pub const TRAINING_SET_REVISION: u32 = 3;
 
 /// The illuminant of training where none is given.
@@ -26,18 +26,74 @@ const LEAST_PATCHES: [u32; 3] = [3, 8, 5];
 /// daylight the light of a film lamp.
 const WARM_INSTEAD_OF_COOL: [Illuminant; 2] =
     [Illuminant::Blackbody { temperature_k: 3200.0 }, Illuminant::Blackbody { temperature_k: 6500.0 }];
-/// Number of grey reflectances.
+/// Number of grey reflectances among those of natural objects, and of painted ones among paints.
 const GREYS: usize = 16;
+const GREYS_AMONG_PAINTS: usize = 8;
+/// White paint reflects violet light as its pigment, titanium dioxide (rutile), does: a logistic edge, nm, and its width, nm.
+const WHITE_PAINT_NM: [f64; 2] = [402.0, 9.0];
+/// Scenes of paints, less their size, and whether they have warm local light.
+const PAINTED_SCENES: [(&str, bool); 3] = [
+    ("dead-leaves?seed=32&least=3&largest=60", true),
+    ("color-patches?seed=31&least=3", false),
+    ("color-patches?seed=32&least=5", true),
+];
 
 /// A scene of the default training set.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TrainingScene {
     /// Its content.
     pub content: TrainingContent,
+    /// What its surfaces reflect.
+    pub surfaces: Surfaces,
     /// Its illuminant.
     pub light: Illuminant,
-    /// Whether the second stage of pipelines learns from it in warm local light: see [`TrainingScene::in_local_light`].
+    /// Whether it has warm local light: see [`TrainingScene::build`].
     pub has_warm_light: bool,
+}
+
+/// What the surfaces of a training scene reflect.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Surfaces {
+    /// The [`training_reflectances`].
+    Natural,
+    /// The same, with greys of white paint, which absorb violet light.
+    NaturalAndPaintedGreys,
+    /// [Paints](reflectance::paints) and such greys.
+    Paints,
+}
+
+/// The reflectances of all [`Surfaces`] on a wavelength grid.
+#[derive(Debug, Clone)]
+pub struct SurfaceReflectances {
+    natural: Vec<Spectrum>,
+    natural_and_painted_greys: Vec<Spectrum>,
+    paints: Vec<Spectrum>,
+}
+
+impl SurfaceReflectances {
+    /// All of them.
+    ///
+    /// # Errors
+    /// As [`training_reflectances`].
+    pub fn new(grid: WavelengthGrid) -> Result<Self, CameraError> {
+        let [edge, width] = WHITE_PAINT_NM;
+        let passed = grid.wavelengths_nm().map(|nm| 1.0 / (1.0 + (-(nm - edge) / width).exp()));
+        let white = Spectrum::new(grid, passed.collect())?;
+        let mut paints: Vec<Spectrum> = reflectance::paints(grid)?.into_iter().map(|(_, s)| s).collect();
+        paints.extend(greys(&white, GREYS_AMONG_PAINTS)?);
+        let natural = training_reflectances(grid)?;
+        Ok(Self { natural, natural_and_painted_greys: with_greys(grid, &white)?, paints })
+    }
+
+    /// Those of a kind.
+    #[must_use]
+    pub fn of(&self, surfaces: Surfaces) -> &[Spectrum] {
+        match surfaces {
+            Surfaces::Natural => &self.natural,
+            Surfaces::NaturalAndPaintedGreys => &self.natural_and_painted_greys,
+            Surfaces::Paints => &self.paints,
+        }
+    }
 }
 
 /// The content of a training scene.
@@ -76,7 +132,7 @@ impl StoredTrainingScenes for NoStoredScenes {
     }
 }
 
-/// The default training set. The scenes take the illuminants in turn, or D65 if there is none:
+/// The default training set of the first stage. The scenes take the illuminants in turn, or D65 if there is none:
 ///
 /// - dead leaves and charts of uniform patches at several scales, in natural and in saturated colours;
 /// - gradients between colours and between light and shade, and shading on white paper, because clipped areas in pictures are
@@ -84,8 +140,6 @@ impl StoredTrainingScenes for NoStoredScenes {
 /// - glossy balls with highlights, lamps and deep shade, of high dynamic range;
 /// - edges, Siemens stars, gratings and a grey ramp;
 /// - the `stored` scenes: photographs and path-traced scenes. With them, there are fewer dead leaves.
-///
-/// Every second scene of leaves and patches has warm local light for the second stage of pipelines.
 ///
 /// It contains none of the [`test_scenes`](super::test_scenes), none of the targets of [`evaluate`](super::evaluate()), no
 /// reflectance of the ColorChecker, and none of the [`surfaces`](reflectance::surfaces) of which rendered test scenes and photographs
@@ -119,10 +173,34 @@ pub fn training_scenes(lights: &[Illuminant], stored: &dyn StoredTrainingScenes)
     let lights = if lights.is_empty() { &[DEFAULT_TRAINING_LIGHT][..] } else { lights };
     // Every illuminant occurs with every scale of leaves.
     let light = |i: usize| lights[(i + i / 4) % lights.len()].clone();
-    // Leaves and patches come first. Charts of greys and paper stay white, and photographs as they are.
-    let has_warm_light = |i: usize| i < leaves + LEAST_PATCHES.len() && i % 2 == 1;
-    let scene = |(i, content)| TrainingScene { content, light: light(i), has_warm_light: has_warm_light(i) };
+    let scene = |(i, content)| {
+        let light = light(i);
+        TrainingScene { content, surfaces: Surfaces::Natural, light, has_warm_light: false }
+    };
     contents.enumerate().map(scene).collect()
+}
+
+/// The default training set of the second stage: the [`training_scenes`] with painted greys instead of even ones, and one scene of leaves
+/// and two of patches with the colours of paints. Photographs show painted and printed things, whose whites absorb violet light.
+///
+/// Every second scene of leaves and patches among the former has warm local light, and so have two of the latter. Charts of greys and
+/// paper stay white, and photographs as they are.
+///
+/// It contains nothing of what [`training_scenes`] does not contain.
+#[must_use]
+pub fn refinement_scenes(lights: &[Illuminant], stored: &dyn StoredTrainingScenes) -> Vec<TrainingScene> {
+    let n = SCENE_PX * SAMPLES_PER_PX;
+    let mut all = training_scenes(lights, stored);
+    for (i, scene) in all.iter_mut().enumerate() {
+        scene.surfaces = Surfaces::NaturalAndPaintedGreys;
+        scene.has_warm_light = i % 2 == 1 && ["dead-leaves", "color-patches"].contains(&scene.content.name());
+    }
+    let lights: Vec<Illuminant> = all.iter().map(|s| s.light.clone()).collect();
+    all.extend(PAINTED_SCENES.into_iter().zip(lights).map(|((spec, has_warm_light), light)| {
+        let content = TrainingContent::Catalog(format!("{spec}&rows={n}&cols={n}"));
+        TrainingScene { content, surfaces: Surfaces::Paints, light, has_warm_light }
+    }));
+    all
 }
 
 impl fmt::Display for TrainingContent {
@@ -167,17 +245,23 @@ impl TrainingScene {
         TrainingItem::halved(number, times)
     }
 
-    /// Builds the scene with the field of view that it needs on a camera. `reflectances` are those of [`training_reflectances`] on
-    /// the wavelengths of the camera; `stored` are the scenes that were given to [`training_scenes`].
+    /// Builds the scene with the field of view that it needs on a camera. `reflectances` are on the wavelengths of the camera; `stored`
+    /// are the scenes that were given to [`training_scenes`].
+    ///
+    /// In warm local light, the spectra of its pixels are those under other light than its illuminant, which remains the white: the light
+    /// of a scene varies from place to place, mostly towards red, where walls, wood or the evening sun lend it their colour. Without such
+    /// scenes, the second stage of a pipeline would take everything bright and warm for one of the few surfaces of that colour that it
+    /// has seen.
     ///
     /// # Errors
     /// When there is no such scene, it cannot be loaded, or the wavelengths differ.
     pub fn build(
         &self,
         camera: &Camera,
-        reflectances: &[Spectrum],
+        reflectances: &SurfaceReflectances,
         stored: &dyn StoredTrainingScenes,
     ) -> Result<Scene, CameraError> {
+        let reflectances = reflectances.of(self.surfaces);
         let grid = camera.grid();
         let setting = Setting { illuminant: self.light.clone(), grid, ..Setting::default() };
         let scene = match &self.content {
@@ -191,21 +275,9 @@ impl TrainingScene {
         };
         let px = scene.radiance().cols() / SAMPLES_PER_PX;
         let deg = camera.field_of_view_deg(px.max(1), setting.distance_m)?;
-        Ok(scene.with_fov(deg)?)
-    }
-
-    /// The built scene as the second stage of pipelines learns from it. The light of a scene varies from place to place, mostly towards
-    /// red, where walls, wood or the evening sun lend it their colour. The white of the picture remains that of the illuminant. Without
-    /// warm scenes, the second stage would take everything bright and warm for one of the few surfaces of that colour that it has seen.
-    ///
-    /// # Errors
-    /// As [`Scene::in_local_light`].
-    pub fn in_local_light(&self, built: Scene) -> Result<Scene, CameraError> {
-        if !self.has_warm_light {
-            return Ok(built);
-        }
+        let scene = scene.with_fov(deg)?;
         let [warm, cool] = &WARM_INSTEAD_OF_COOL;
-        Ok(built.in_local_light(warm, cool)?)
+        Ok(if self.has_warm_light { scene.in_local_light(warm, cool)? } else { scene })
     }
 }
 
@@ -215,10 +287,13 @@ impl TrainingScene {
 /// # Errors
 /// When reflectances cannot be computed from RGB on the grid.
 pub fn training_reflectances(grid: WavelengthGrid) -> Result<Vec<Spectrum>, CameraError> {
+    with_greys(grid, &Spectrum::constant(grid, 1.0)?)
+}
+
+/// The [`training_reflectances`] with greys that are shades of this white.
+fn with_greys(grid: WavelengthGrid, white: &Spectrum) -> Result<Vec<Spectrum>, CameraError> {
     let mut all: Vec<Spectrum> = reflectance::natural(grid)?.into_iter().map(|(_, s)| s).collect();
-    for i in 1..=GREYS {
-        all.push(Spectrum::constant(grid, (i as f64 / GREYS as f64).powi(2) * 0.95)?);
-    }
+    all.extend(greys(white, GREYS)?);
     let uplift = Uplift::new(grid, Observer::Cie1931)?;
     const ENDS: [f64; 2] = [0.1, 0.6];
     for r in ENDS {
@@ -229,4 +304,9 @@ pub fn training_reflectances(grid: WavelengthGrid) -> Result<Vec<Spectrum>, Came
         }
     }
     Ok(all)
+}
+
+/// Shades of a white, in equal steps of the square root up to 0.95 of it.
+fn greys(white: &Spectrum, count: usize) -> Result<Vec<Spectrum>, CameraError> {
+    (1..=count).map(|i| Ok(white.scaled((i as f64 / count as f64).powi(2) * 0.95)?)).collect()
 }

@@ -5,12 +5,10 @@ use std::collections::VecDeque;
 use rayon::prelude::*;
 
 use super::error::StageContext;
-use super::material::built;
+use super::material::default_scenes;
 use super::progress::ensure_running;
 use super::{ExperimentError, Resources};
-use crate::camera::{
-    Camera, CameraError, Stand, TrainingScene, TrainingSettings, training_reflectances, training_scenes,
-};
+use crate::camera::{Camera, CameraError, Stand, SurfaceReflectances, TrainingScene, TrainingSettings};
 use crate::l3::Learner;
 use crate::optics::OpticalImage;
 use crate::scene::Scene;
@@ -19,8 +17,8 @@ use crate::spectrum::Illuminant;
 
 /// Trainings of later turns that keep the light of the scenes of a stage. Others image the scenes again.
 const KEEP_AT_MOST: u64 = 32;
-/// What such a training keeps: four planes in single precision of the 30 scenes of 256 × 256 pixels.
-const KEPT_BYTES: u64 = 30 * 256 * 256 * 4 * 4;
+/// What such a training keeps: four planes in single precision of the 33 scenes of the second stage, of 256 × 256 pixels.
+const KEPT_BYTES: u64 = 33 * 256 * 256 * 4 * 4;
 /// The share of the free memory that is kept at most.
 const KEPT_SHARE: u64 = 8;
 
@@ -114,7 +112,8 @@ pub(super) fn add_default_set<'a, L: Learner>(
         .into_iter()
         .map(|group| {
             let light = std::slice::from_ref(group.built_under);
-            let scenes = training_scenes(light, resources.training_scenes);
+            let is_second_stage = group.now.iter().any(|g| g.learner.is_second_stage());
+            let scenes = default_scenes(light, resources.training_scenes, is_second_stage);
             // The turn that imaged scenes for some of a group has announced the steps of the group as well.
             if group.now.iter().all(|g| g.lit.is_empty()) {
                 let turns = if group.later.is_empty() { 1 } else { 2 };
@@ -135,9 +134,9 @@ impl<L: Learner> Group<'_, L> {
         resources: Resources<'_>,
     ) -> Result<(), ExperimentError> {
         let (first, progress, stored) = (self.first, resources.progress, resources.training_scenes);
-        let is_local = self.now.iter().any(|g| g.learner.learns_local_light());
         let needs_images = !self.later.is_empty() || self.now.iter().any(|g| g.lit.is_empty());
-        let reflectances = training_reflectances(first.camera.grid()).in_context(|| first.label.clone())?;
+        let reflectances =
+            SurfaceReflectances::new(first.camera.grid()).in_context(|| first.label.clone())?;
         let imaged = |scene: &TrainingScene| -> Result<_, ExperimentError> {
             if !needs_images {
                 return Ok(None);
@@ -145,7 +144,7 @@ impl<L: Learner> Group<'_, L> {
             ensure_running(progress)?;
             let failed = |e: ExperimentError| e.of_camera(&first.label);
             let context = || format!("scene {}", scene.content);
-            let built = built(scene, &first.camera, &reflectances, stored, is_local).in_context(context);
+            let built = scene.build(&first.camera, &reflectances, stored).in_context(context);
             let built = built.map_err(failed)?;
             let shared = || first.camera.optics.image(&built).in_context(context).map_err(failed);
             let image = (!settings.has_own_images()).then(shared).transpose()?;
@@ -224,7 +223,7 @@ impl<L: Learner> Group<'_, L> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::{CameraDescription, NoStoredScenes, TrainingContent};
+    use crate::camera::{CameraDescription, NoStoredScenes, Surfaces, TrainingContent};
     use crate::l3::Statistics;
     use crate::spectrum::WavelengthGrid;
 
@@ -234,11 +233,12 @@ mod tests {
     fn a_relit_scene_gives_the_statistics_of_its_light() {
         let camera = Camera::new(CameraDescription::default(), WavelengthGrid::VISIBLE).unwrap();
         let settings = TrainingSettings { exposures: vec![1.0, 0.1], ..TrainingSettings::default() };
-        let reflectances = training_reflectances(camera.grid()).unwrap();
+        let reflectances = SurfaceReflectances::new(camera.grid()).unwrap();
         let spec = "dead-leaves?rows=96&cols=96&seed=3&least=2&largest=40";
         let spec = TrainingContent::Catalog(spec.into());
         let under = |light: &Illuminant| TrainingScene {
             content: spec.clone(),
+            surfaces: Surfaces::Natural,
             light: light.clone(),
             has_warm_light: false,
         };

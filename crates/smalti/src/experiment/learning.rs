@@ -111,9 +111,10 @@ impl<E: From<ExperimentError>> TrainingSources<'_, E> {
         Ok((!logarithms.is_empty()).then(|| (-mean).exp()))
     }
 
-    /// Steps of progress that each stage takes.
-    fn steps(&self) -> u64 {
-        (self.pairs.len() + self.material().as_ref().map_or(0, TrainingMaterial::len)) as u64
+    /// Steps of progress that the first or the second stage takes.
+    fn steps(&self, is_second_stage: bool) -> u64 {
+        let scenes = self.material().map_or(0, |material| material.len(is_second_stage));
+        (self.pairs.len() + scenes) as u64
     }
 
     /// Adds all pairs and scenes to what is learned. Each is one step of progress.
@@ -167,7 +168,7 @@ pub fn gather<E: From<ExperimentError>>(
         let adds_more = material.is_some() || !pairs.is_empty();
         statistics = continue_statistics(saved, &statistics, adds_more)?;
     }
-    progress.expect(sources.steps());
+    progress.expect(sources.steps(false));
     let alignments = sources.add_to(&mut statistics, camera, settings, progress)?;
     for (pair, alignment) in pairs.iter().zip(&alignments) {
         alignment.doubts().iter().for_each(|doubt| progress.note(&format!("{}: {doubt}", pair.name)));
@@ -191,10 +192,10 @@ pub fn refine<E: From<ExperimentError>>(
     sources: &TrainingSources<'_, E>,
     progress: &dyn Progress,
 ) -> Result<Pipeline, E> {
-    if sources.steps() == 0 {
+    if sources.steps(true) == 0 {
         return Err(ExperimentError::NothingToRefineFrom.into());
     }
-    progress.expect(sources.steps());
+    progress.expect(sources.steps(true));
     let light = sources.light(camera)?;
     let white = sources.mean_of_white(progress)?.map_or(WhiteIn::Light(&light), WhiteIn::Samples);
     let mut stage = second_stage(camera, white, pipeline)?;

@@ -3,7 +3,7 @@
 use super::error::StageContext;
 use super::progress::ensure_running;
 use super::{ExperimentError, Resources};
-use crate::camera::{Camera, training_reflectances, training_scenes};
+use crate::camera::{Camera, SurfaceReflectances, training_reflectances, training_scenes};
 use crate::design::light::{LightGatherer, LightSettings, LightStatistics};
 use crate::scene::Scene;
 use crate::spectrum::{Illuminant, Spectrum};
@@ -56,7 +56,7 @@ pub fn light_statistics(
         None => {
             let stored = resources.training_scenes;
             let reflectances =
-                training_reflectances(camera.grid()).in_context(|| "statistics of light".to_owned())?;
+                SurfaceReflectances::new(camera.grid()).in_context(|| "statistics of light".to_owned())?;
             let set = training_scenes(std::slice::from_ref(illuminant), stored);
             progress.expect(set.len() as u64);
             for scene in &set {

@@ -4,8 +4,8 @@ use super::error::StageContext;
 use super::progress::ensure_running;
 use super::{ExperimentError, Progress};
 use crate::camera::{
-    Camera, CameraError, DEFAULT_TRAINING_LIGHT, StoredTrainingScenes, TrainingItem, TrainingScene,
-    TrainingSettings, training_reflectances, training_scenes,
+    Camera, CameraError, DEFAULT_TRAINING_LIGHT, StoredTrainingScenes, SurfaceReflectances, TrainingItem,
+    TrainingScene, TrainingSettings, refinement_scenes, training_scenes,
 };
 use crate::l3::Learner;
 use crate::scene::Scene;
@@ -50,15 +50,15 @@ pub(super) enum TrainingMaterial<'a> {
 }
 
 impl TrainingMaterial<'_> {
-    /// Number of scenes.
-    pub(super) fn len(&self) -> usize {
+    /// Number of scenes for the first or the second stage.
+    pub(super) fn len(&self, is_second_stage: bool) -> usize {
         match self {
-            Self::DefaultSet(lights, stored) => training_scenes(lights, *stored).len(),
+            Self::DefaultSet(lights, stored) => default_scenes(lights, *stored, is_second_stage).len(),
             Self::Scenes(scenes) => scenes.len(),
         }
     }
 
-    /// Names of the scenes, with their illuminants for the default set.
+    /// Names of the scenes of the first stage, with their illuminants for the default set.
     pub(super) fn names(&self) -> Vec<String> {
         match self {
             Self::DefaultSet(lights, stored) => {
@@ -91,7 +91,7 @@ pub(super) fn add_scenes(
     learner: &mut dyn Learner,
     progress: &dyn Progress,
 ) -> Result<(), ExperimentError> {
-    let is_local = learner.learns_local_light();
+    let is_second_stage = learner.is_second_stage();
     let mut learn = |item: TrainingItem, name: &str, scene: &dyn Fn() -> Result<Scene, CameraError>| {
         ensure_running(progress)?;
         let short = name.split('?').next().unwrap_or(name);
@@ -103,9 +103,9 @@ pub(super) fn add_scenes(
     };
     match material {
         TrainingMaterial::DefaultSet(lights, stored) => {
-            let scenes = training_scenes(lights, *stored);
-            let reflectances = training_reflectances(camera.grid()).in_context(|| label.to_owned())?;
-            let built = |s: &TrainingScene| built(s, camera, &reflectances, *stored, is_local);
+            let scenes = default_scenes(lights, *stored, is_second_stage);
+            let reflectances = SurfaceReflectances::new(camera.grid()).in_context(|| label.to_owned())?;
+            let built = |s: &TrainingScene| s.build(camera, &reflectances, *stored);
             let mut scenes = scenes.iter().zip(0..);
             scenes.try_for_each(|(s, number)| learn(s.item(number), &s.content.to_string(), &|| built(s)))
         }
@@ -116,19 +116,13 @@ pub(super) fn add_scenes(
     }
 }
 
-/// A scene of the default set, in its local light or in that of the whole scene.
-///
-/// # Errors
-/// As [`TrainingScene::build`].
-pub(super) fn built(
-    scene: &TrainingScene,
-    camera: &Camera,
-    reflectances: &[Spectrum],
+/// The default set of the first or the second stage.
+pub(super) fn default_scenes(
+    lights: &[Illuminant],
     stored: &dyn StoredTrainingScenes,
-    is_local: bool,
-) -> Result<Scene, CameraError> {
-    let whole = scene.build(camera, reflectances, stored)?;
-    if is_local { scene.in_local_light(whole) } else { Ok(whole) }
+    is_second_stage: bool,
+) -> Vec<TrainingScene> {
+    if is_second_stage { refinement_scenes(lights, stored) } else { training_scenes(lights, stored) }
 }
 
 /// The key of a scene's noise: the 32-bit FNV-1a hash of its name plus the number of earlier scenes of that name.

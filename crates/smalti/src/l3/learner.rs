@@ -21,8 +21,8 @@ pub trait Learner: Send {
     /// As [`Learner::add`].
     fn add_share(&mut self, pair: &Pair<'_>, share: Share) -> Result<(), L3Error>;
 
-    /// Whether it is to learn from scenes in their local light, which differs from that of the whole scene in colour.
-    fn learns_local_light(&self) -> bool {
+    /// Whether it is the second stage, which has a default training set of its own ([`crate::camera::refinement_scenes`]).
+    fn is_second_stage(&self) -> bool {
         false
     }
 }
@@ -70,7 +70,7 @@ impl Learner for SecondStage<'_> {
         self.statistics.add(&picture, pair.target, share.times)
     }
 
-    fn learns_local_light(&self) -> bool {
+    fn is_second_stage(&self) -> bool {
         true
     }
 }

@@ -1,7 +1,8 @@
-//! Measured reflectances: a colour chart, natural objects, and surfaces of all kinds.
+//! Measured reflectances: a colour chart, natural objects, paints, and surfaces of all kinds.
 
 use super::generated::{
-    COLORCHECKER, COLORCHECKER_NAMES, NATURAL, NATURAL_NAMES, SURFACE_NAMES, SURFACES, Table,
+    COLORCHECKER, COLORCHECKER_NAMES, NATURAL, NATURAL_NAMES, PAINT, PAINT_NAMES, SURFACE_NAMES, SURFACES,
+    Table,
 };
 use super::{Extrapolation, Spectrum, SpectrumError, WavelengthGrid};
 
@@ -25,6 +26,16 @@ pub fn colorchecker(grid: WavelengthGrid) -> Result<Vec<(&'static str, Spectrum)
 /// Never for a valid grid.
 pub fn natural(grid: WavelengthGrid) -> Result<Vec<(&'static str, Spectrum)>, SpectrumError> {
     named(&NATURAL, &NATURAL_NAMES, grid)
+}
+
+/// Reflectances (0 to 1) of matte painted chips with their names (Munsell hue value/chroma). Measured at 380–780 nm and held constant
+/// beyond. 64 of the 1269 chips of the Munsell Book of Color, Matte Finish Collection, that J. Hiltunen measured at the University of
+/// Joensuu, chosen for variety. White pigment absorbs light below 430 nm.
+///
+/// # Errors
+/// Never for a valid grid.
+pub fn paints(grid: WavelengthGrid) -> Result<Vec<(&'static str, Spectrum)>, SpectrumError> {
+    named(&PAINT, &PAINT_NAMES, grid)
 }
 
 /// Reflectances (0 to 1) of surfaces with their names: minerals, building materials, pigments, fabrics and plants of the

@@ -4,8 +4,9 @@
 
 use smalti::camera::description::PatternDescription;
 use smalti::camera::{
-    Camera, CameraDescription, CameraError, NoStoredScenes, ScoreSettings, Setup, TrainingSettings,
-    TrainingTarget, compare_on, training_reflectances, training_scenes,
+    Camera, CameraDescription, CameraError, NoStoredScenes, ScoreSettings, Setup, SurfaceReflectances,
+    Surfaces, TrainingScene, TrainingSettings, TrainingTarget, compare_on, refinement_scenes,
+    training_reflectances, training_scenes,
 };
 use smalti::isp::{IspError, WhiteBalance};
 use smalti::l3::{L3Error, Pipeline, RefinementStatistics, SecondStage, Training};
@@ -145,34 +146,69 @@ fn the_default_set_meets_every_light() {
     }
 }
 
-/// Every second scene of leaves and patches is also given in warm local light, which changes the colour of its pixels, but neither its
-/// luminance nor its white. All other scenes remain as they are.
+/// The second stage also learns from paints, and every second scene of leaves and patches has warm local light, which changes the colour
+/// of its pixels, but neither its luminance nor its white. All other scenes are those of the first stage with other greys.
 #[test]
-fn some_scenes_have_warm_local_light() {
+fn the_second_stage_has_paints_and_warm_local_light() {
     let camera = camera("bayer");
-    let reflectances = training_reflectances(camera.grid()).unwrap();
-    let set = training_scenes(&[Illuminant::D65], &NoStoredScenes);
-    let warm: Vec<&str> = set.iter().filter(|s| s.has_warm_light).map(|s| s.content.name()).collect();
-    assert_eq!(warm, [["dead-leaves"; 6].as_slice(), &["color-patches"]].concat());
-    let first = set.iter().position(|s| s.has_warm_light).unwrap();
-    for scene in &set[first - 1..=first] {
-        let built = scene.build(&camera, &reflectances, &NoStoredScenes).unwrap();
-        let local = scene.in_local_light(built.clone()).unwrap();
-        assert_eq!(local.illuminant(), built.illuminant());
+    let reflectances = SurfaceReflectances::new(camera.grid()).unwrap();
+    let lights = [Illuminant::D65];
+    let (first, second) =
+        (training_scenes(&lights, &NoStoredScenes), refinement_scenes(&lights, &NoStoredScenes));
+    assert!(first.iter().all(|s| s.surfaces == Surfaces::Natural && !s.has_warm_light));
+    let (shared, painted) = second.split_at(first.len());
+    assert!(shared.iter().zip(&first).all(|(a, b)| (&a.content, &a.light) == (&b.content, &b.light)));
+    assert!(shared.iter().all(|s| s.surfaces == Surfaces::NaturalAndPaintedGreys));
+    assert!(painted.iter().all(|s| s.surfaces == Surfaces::Paints));
+    let warm = |scenes: &[TrainingScene]| -> Vec<String> {
+        scenes.iter().filter(|s| s.has_warm_light).map(|s| s.content.name().to_owned()).collect()
+    };
+    assert_eq!(warm(shared), [["dead-leaves"; 6].as_slice(), &["color-patches"]].concat());
+    assert_eq!(warm(painted), ["dead-leaves", "color-patches"]);
+    for scene in &shared[..2] {
+        let built = |has_warm_light| {
+            let scene = TrainingScene { has_warm_light, ..scene.clone() };
+            scene.build(&camera, &reflectances, &NoStoredScenes).unwrap()
+        };
+        let (local, whole) = (built(scene.has_warm_light), built(false));
+        assert_eq!(local.illuminant(), whole.illuminant());
         let of = |s: &Scene| s.mean_luminance_cd_m2().unwrap();
-        assert!((of(&local) / of(&built) - 1.0).abs() < 1e-6);
+        assert!((of(&local) / of(&whole) - 1.0).abs() < 1e-6);
         let mean = |s: &Scene, plane: usize| {
             s.xyz().unwrap().plane(plane).unwrap().iter().map(|&v| f64::from(v)).sum::<f64>()
         };
         let red = |s: &Scene| mean(s, 0) / mean(s, 2);
-        let ratio = red(&local) / red(&built);
+        let ratio = red(&local) / red(&whole);
         if scene.has_warm_light {
             // White under 3200 K instead of 6500 K: X/Z of 2.40 instead of 0.87, less what leaves absorb.
             assert!((2.0..3.5).contains(&ratio), "{ratio}");
         } else {
-            assert_eq!(local, built);
+            assert_eq!(local, whole);
         }
     }
+}
+
+/// White paint absorbs violet light, as titanium dioxide does: half of it at 402 nm. Even greys of the first stage become shades of it, at
+/// the same places, so that every surface keeps its colour; all other reflectances stay.
+#[test]
+fn greys_of_the_second_stage_are_painted() {
+    let reflectances = SurfaceReflectances::new(GRID).unwrap();
+    let (even, painted) =
+        (reflectances.of(Surfaces::Natural), reflectances.of(Surfaces::NaturalAndPaintedGreys));
+    assert_eq!(even, training_reflectances(GRID).unwrap());
+    assert_eq!(even.len(), painted.len());
+    let at = |r: &Spectrum, nm: f64| r.values()[GRID.wavelengths_nm().position(|w| w == nm).unwrap()];
+    let mut greys = 0;
+    for (even, painted) in even.iter().zip(painted) {
+        let is_grey = even.values().iter().all(|v| v == &even.values()[0]);
+        greys += usize::from(is_grey);
+        let expected = if is_grey { (400.0f64 - 402.0) / 9.0 } else { f64::INFINITY };
+        let passed = 1.0 / (1.0 + (-expected).exp());
+        assert!((at(painted, 400.0) / at(even, 400.0) - passed).abs() < 1e-12);
+        assert!((at(painted, 550.0) / at(even, 550.0) - 1.0).abs() < 1e-6);
+    }
+    assert_eq!(greys, 16);
+    assert_eq!(reflectances.of(Surfaces::Paints).len(), 64 + 8);
 }
 
 /// A scene in a few pixels: the logarithm of its luminance on 96 × 96 of them, of mean 0 and length 1. The same for a scene in any
@@ -196,13 +232,15 @@ fn thumbnail(scene: &Scene) -> Vec<f64> {
 /// ColorChecker, which is scored, is among those that the training set is painted with.
 #[test]
 fn nothing_of_the_test_scenes_is_learned_from() {
-    let natural = training_reflectances(GRID).unwrap();
+    let reflectances = SurfaceReflectances::new(GRID).unwrap();
+    let kinds = [Surfaces::Natural, Surfaces::NaturalAndPaintedGreys, Surfaces::Paints];
+    let learned: Vec<&Spectrum> = kinds.iter().flat_map(|&kind| reflectances.of(kind)).collect();
     // A few wavelengths are enough for luminance.
     let setting = Setting { grid: WavelengthGrid::new(450.0, 50.0, 4).unwrap(), ..Setting::default() };
     let coarse: Vec<Spectrum> =
-        natural.iter().map(|r| r.resampled(setting.grid, Extrapolation::Hold).unwrap()).collect();
+        learned.iter().map(|r| r.resampled(setting.grid, Extrapolation::Hold).unwrap()).collect();
     let build = |spec: &str| catalog::build(spec, &setting, &coarse).unwrap();
-    let trained: Vec<(String, Vec<f64>)> = training_scenes(&[Illuminant::D65], &NoStoredScenes)
+    let trained: Vec<(String, Vec<f64>)> = refinement_scenes(&[Illuminant::D65], &NoStoredScenes)
         .into_iter()
         .map(|s| (s.content.to_string(), thumbnail(&build(&s.content.to_string()))))
         .collect();
@@ -229,7 +267,7 @@ fn nothing_of_the_test_scenes_is_learned_from() {
         let (least, most) =
             chart.values()[3..].iter().fold((1.0f64, 0.0f64), |(a, b), &v| (a.min(v), b.max(v)));
         if most - least > 0.1 {
-            assert!(natural.iter().map(far).fold(1.0, f64::min) > 0.005);
+            assert!(learned.iter().copied().map(far).fold(1.0, f64::min) > 0.005);
         }
     }
 }

@@ -8,12 +8,15 @@ mod illuminants;
 mod natural;
 mod observers;
 #[allow(clippy::approx_constant)]
+mod paint;
+#[allow(clippy::approx_constant)]
 mod surfaces;
 
 pub use colorchecker::{COLORCHECKER, COLORCHECKER_NAMES};
 pub use illuminants::{D65_TABLE, DAYLIGHT_BASIS, F2, F11, LED_B3};
 pub use natural::{NATURAL, NATURAL_NAMES};
 pub use observers::{CIE_1931_2DEG, CIE_1964_10DEG, CIE_2015_2DEG};
+pub use paint::{PAINT, PAINT_NAMES};
 pub use surfaces::{SURFACE_NAMES, SURFACES};
 
 use super::{Extrapolation, Spectrum, SpectrumError, WavelengthGrid};
