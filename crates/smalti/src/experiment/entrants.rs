@@ -16,7 +16,7 @@ use crate::camera::{
     Camera, CameraDescription, CameraError, StoredTrainingScenes, TRAINING_SET_REVISION, TestScene,
     TrainingSettings, training_scenes,
 };
-use crate::l3::{self, Statistics, Training};
+use crate::l3::{self, Training};
 use crate::optics::OpticalImage;
 use crate::sensor::Channel;
 use crate::spectrum::{Illuminant, Spectrum};
@@ -152,12 +152,6 @@ impl Store for WithoutStatistics<'_> {
     ) -> Result<OpticalImage, CameraError> {
         self.0.optical_image(key, make)
     }
-
-    fn statistics(&self, _: &str) -> Option<Statistics> {
-        None
-    }
-
-    fn keep_statistics(&self, _: &str, _: &Statistics) {}
 }
 
 /// Learns pipelines for cameras and scores them on the scenes of a comparison, in the order of the entrants. Each camera exposes by its own rule. The store

@@ -6,7 +6,8 @@ use crate::camera::{CameraError, NoStoredScenes, StoredTrainingScenes};
 use crate::l3::{Pipeline, Statistics};
 use crate::optics::OpticalImage;
 
-/// A cache of slow results. A key contains everything that its result was computed from. A store may lose entries at any time.
+/// A cache of slow results. A key contains everything that its result was computed from. A store may lose entries at any time; by
+/// default it caches nothing.
 pub trait Store: Sync {
     /// The optical image of a key, computed by `make` when it is not cached.
     ///
@@ -14,15 +15,19 @@ pub trait Store: Sync {
     /// Those of `make`.
     fn optical_image(
         &self,
-        key: &str,
+        _key: &str,
         make: &dyn Fn() -> Result<OpticalImage, CameraError>,
-    ) -> Result<OpticalImage, CameraError>;
+    ) -> Result<OpticalImage, CameraError> {
+        make()
+    }
 
     /// The training statistics of a key; `None` when they are not cached.
-    fn statistics(&self, key: &str) -> Option<Statistics>;
+    fn statistics(&self, _key: &str) -> Option<Statistics> {
+        None
+    }
 
     /// Caches training statistics.
-    fn keep_statistics(&self, key: &str, statistics: &Statistics);
+    fn keep_statistics(&self, _key: &str, _statistics: &Statistics) {}
 
     /// The pipeline of best quality of a key; `None` when it is not cached.
     fn pipeline(&self, _key: &str) -> Option<Pipeline> {
@@ -45,21 +50,7 @@ pub trait Store: Sync {
 #[derive(Debug, Clone, Copy, Default)]
 pub struct NoStore;
 
-impl Store for NoStore {
-    fn optical_image(
-        &self,
-        _: &str,
-        make: &dyn Fn() -> Result<OpticalImage, CameraError>,
-    ) -> Result<OpticalImage, CameraError> {
-        make()
-    }
-
-    fn statistics(&self, _: &str) -> Option<Statistics> {
-        None
-    }
-
-    fn keep_statistics(&self, _: &str, _: &Statistics) {}
-}
+impl Store for NoStore {}
 
 /// Resources that the caller provides for an experiment.
 #[derive(Clone, Copy)]

@@ -4,14 +4,13 @@
 use std::collections::HashMap;
 use std::sync::Mutex;
 
-use smalti::camera::{Camera, CameraDescription, CameraError, ScoreSettings, TestScene, TrainingSettings};
+use smalti::camera::{Camera, CameraDescription, ScoreSettings, TestScene, TrainingSettings};
 use smalti::experiment::{
     Compared, ComparisonSettings, ExperimentError, ExposurePolicy, LitPipeline, PipelineSet, PipelineTask,
     Pipelines, Processing, Progress, Resources, Store, compare, compare_while_learning, contenders,
     pipelines, scene_lights,
 };
 use smalti::l3::{Quality, Statistics, Training};
-use smalti::optics::OpticalImage;
 use smalti::scene::{Setting, catalog};
 use smalti::spectrum::Illuminant;
 
@@ -48,14 +47,6 @@ impl Progress for Recorder {
 struct KeptStatistics(Mutex<HashMap<String, Statistics>>);
 
 impl Store for KeptStatistics {
-    fn optical_image(
-        &self,
-        _: &str,
-        make: &dyn Fn() -> Result<OpticalImage, CameraError>,
-    ) -> Result<OpticalImage, CameraError> {
-        make()
-    }
-
     fn statistics(&self, key: &str) -> Option<Statistics> {
         self.0.lock().unwrap().get(key).cloned()
     }
