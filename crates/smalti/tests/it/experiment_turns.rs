@@ -129,3 +129,33 @@ fn the_first_scores_precede_the_pipelines_of_other_lights_and_nothing_else_chang
     assert!(scenes > 0 && scenes == trainings(&told[first..second]), "{told:#?}");
     assert_eq!(recorder.expected.into_inner().unwrap(), recorder.done.into_inner().unwrap());
 }
+
+/// Cameras with different lenses share no images, and sharp targets have images of their own. Learned in turns, the pipelines have the same
+/// bits.
+#[test]
+fn lenses_and_sharp_targets_learn_the_same_in_turns() {
+    let with_lens = |f_number| {
+        let mut description = CameraDescription::default();
+        description.optics.f_number = f_number;
+        Camera::new(description, coarse_grid()).unwrap()
+    };
+    let (cameras, labels) = ([4.0, 8.0].map(with_lens), ["wide", "narrow"].map(str::to_owned));
+    let settings = settings();
+    let lights = scene_lights(&settings.illuminant, &settings.scenes).unwrap();
+    let training = Training::default();
+    for sharp in [false, true] {
+        let learned_from = TrainingSettings { exposures: vec![0.5], sharp, ..TrainingSettings::default() };
+        let task = || PipelineTask::learned((&cameras, &labels), (&learned_from, &training), &lights);
+        let together = pipelines(task(), Resources::default()).unwrap();
+        let in_turns = Pipelines::begin(task(), Resources::default()).unwrap();
+        assert_eq!(tables(in_turns.sets()).len(), 2);
+        in_turns.learn_rest(Resources::default()).unwrap();
+        let (its, other) = (tables(in_turns.sets()), tables(&together));
+        assert_eq!(its.len(), 4);
+        assert!(its[0].pipeline != its[2].pipeline, "the lenses make a difference");
+        for (its, other) in its.iter().zip(&other) {
+            assert_eq!((&its.illuminant, its.grid), (&other.illuminant, other.grid));
+            assert!(its.pipeline == other.pipeline, "{}, sharp: {sharp}", its.illuminant.name());
+        }
+    }
+}
