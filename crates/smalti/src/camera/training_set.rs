@@ -62,6 +62,11 @@ pub enum Surfaces {
     Paints,
 }
 
+impl Surfaces {
+    /// All kinds.
+    pub const ALL: [Self; 3] = [Self::Natural, Self::NaturalAndPaintedGreys, Self::Paints];
+}
+
 /// The reflectances of all [`Surfaces`] on a wavelength grid.
 #[derive(Debug, Clone)]
 pub struct SurfaceReflectances {
@@ -81,8 +86,9 @@ impl SurfaceReflectances {
         let white = Spectrum::new(grid, passed.collect())?;
         let mut paints: Vec<Spectrum> = reflectance::paints(grid)?.into_iter().map(|(_, s)| s).collect();
         paints.extend(greys(&white, GREYS_AMONG_PAINTS)?);
-        let natural = training_reflectances(grid)?;
-        Ok(Self { natural, natural_and_painted_greys: with_greys(grid, &white)?, paints })
+        let chromatic = Chromatic::new(grid)?;
+        let natural = chromatic.with_greys(&even_white(grid)?)?;
+        Ok(Self { natural, natural_and_painted_greys: chromatic.with_greys(&white)?, paints })
     }
 
     /// Those of a kind.
@@ -186,7 +192,7 @@ pub fn training_scenes(lights: &[Illuminant], stored: &dyn StoredTrainingScenes)
 /// Every second scene of leaves and patches among the former has warm local light, and so have two of the latter. Charts of greys and
 /// paper stay white, and photographs as they are.
 ///
-/// It contains nothing of what [`training_scenes`] does not contain.
+/// What [`training_scenes`] leaves out for the tests, it leaves out as well.
 #[must_use]
 pub fn refinement_scenes(lights: &[Illuminant], stored: &dyn StoredTrainingScenes) -> Vec<TrainingScene> {
     let n = SCENE_PX * SAMPLES_PER_PX;
@@ -287,23 +293,40 @@ impl TrainingScene {
 /// # Errors
 /// When reflectances cannot be computed from RGB on the grid.
 pub fn training_reflectances(grid: WavelengthGrid) -> Result<Vec<Spectrum>, CameraError> {
-    with_greys(grid, &Spectrum::constant(grid, 1.0)?)
+    Chromatic::new(grid)?.with_greys(&even_white(grid)?)
 }
 
-/// The [`training_reflectances`] with greys that are shades of this white.
-fn with_greys(grid: WavelengthGrid, white: &Spectrum) -> Result<Vec<Spectrum>, CameraError> {
-    let mut all: Vec<Spectrum> = reflectance::natural(grid)?.into_iter().map(|(_, s)| s).collect();
-    all.extend(greys(white, GREYS)?);
-    let uplift = Uplift::new(grid, Observer::Cie1931)?;
-    const ENDS: [f64; 2] = [0.1, 0.6];
-    for r in ENDS {
-        for g in ENDS {
-            for b in ENDS {
-                all.push(uplift.reflectance([r, g, b])?);
+/// The [`training_reflectances`] without greys.
+struct Chromatic {
+    objects: Vec<Spectrum>,
+    saturated: Vec<Spectrum>,
+}
+
+impl Chromatic {
+    fn new(grid: WavelengthGrid) -> Result<Self, CameraError> {
+        let uplift = Uplift::new(grid, Observer::Cie1931)?;
+        const ENDS: [f64; 2] = [0.1, 0.6];
+        let mut saturated = Vec::with_capacity(8);
+        for r in ENDS {
+            for g in ENDS {
+                for b in ENDS {
+                    saturated.push(uplift.reflectance([r, g, b])?);
+                }
             }
         }
+        let objects = reflectance::natural(grid)?.into_iter().map(|(_, s)| s).collect();
+        Ok(Self { objects, saturated })
     }
-    Ok(all)
+
+    /// All of them, with shades of a white at the places of the greys.
+    fn with_greys(&self, white: &Spectrum) -> Result<Vec<Spectrum>, CameraError> {
+        Ok([self.objects.as_slice(), &greys(white, GREYS)?, &self.saturated].concat())
+    }
+}
+
+/// A white that reflects all light.
+fn even_white(grid: WavelengthGrid) -> Result<Spectrum, CameraError> {
+    Ok(Spectrum::constant(grid, 1.0)?)
 }
 
 /// Shades of a white, in equal steps of the square root up to 0.95 of it.

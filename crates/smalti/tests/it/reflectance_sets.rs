@@ -21,14 +21,13 @@ fn nearest<'a>(a: &'a [Named], b: &'a [Named]) -> (f64, &'static str, &'static s
 /// All that either stage learns from.
 fn learned(grid: WavelengthGrid) -> Vec<Named> {
     let reflectances = SurfaceReflectances::new(grid).unwrap();
-    let kinds = [Surfaces::Natural, Surfaces::NaturalAndPaintedGreys, Surfaces::Paints];
-    let all = kinds.iter().flat_map(|&kind| reflectances.of(kind));
+    let all = Surfaces::ALL.iter().flat_map(|&kind| reflectances.of(kind));
     all.map(|r| ("a reflectance of training", r.clone())).collect()
 }
 
-/// Training paints its scenes with natural objects (Morimoto et al. 2022), paints (Munsell chips), greys and computed colours. The rendered scenes and the
-/// photographs are made of other surfaces (USGS, NIST, CIE 224). Two spectra of one measurement would differ by rounding, below
-/// 0.0001; the nearest pair, two blacks, differs by 0.0024. The surfaces are not those of the ColorChecker either.
+/// Training paints its scenes with natural objects (Morimoto et al. 2022), paints (Munsell chips), greys and computed colours. The
+/// rendered scenes and the photographs are made of other surfaces (USGS, NIST, CIE 224). Two spectra of one measurement would differ by
+/// rounding, below 0.0001; the nearest pair, two blacks, differs by 0.0024. The surfaces are not those of the ColorChecker either.
 #[test]
 fn reflectances_of_training_and_of_tests_are_disjoint() {
     let grid = WavelengthGrid::VISIBLE;
