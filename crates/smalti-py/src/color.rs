@@ -76,7 +76,7 @@ pub(crate) fn xyz<'py>(
 /// Args:
 ///     picture: in XYZ.
 ///     reference: in XYZ, of the same size.
-///     white: X, Y, Z of white on the scale of the pictures.
+///     white: X, Y, Z of white on the scale of the pictures, to which the eye is adapted.
 ///     samples_per_degree: viewing condition, pixels per degree of visual angle, 1 to 2000.
 ///     method: "1976", "1994" or "2000".
 ///

@@ -1,6 +1,7 @@
 //! The kinds of entries, and their keys.
 
 use blake3::{Hash, Hasher};
+use smalti::design::SCORES_REVISION;
 use smalti::numeric::arithmetic;
 use smalti::optics::OPTICAL_IMAGE_REVISION;
 
@@ -54,8 +55,9 @@ impl EntryKind {
     pub(super) fn key(self, description: &str) -> Hash {
         let revision = match self {
             Self::OpticalImage => OPTICAL_IMAGE_REVISION,
+            Self::Scores => SCORES_REVISION,
             Self::StudioLight => STUDIO_LIGHT_REVISION,
-            _ => 0,
+            Self::Statistics | Self::Pipeline => 0,
         };
         hash(&[
             ("kind", self.extension().as_bytes()),

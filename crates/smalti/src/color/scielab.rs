@@ -3,12 +3,19 @@
 //! X. Zhang and B. A. Wandell (1997), "A spatial extension of CIELAB for digital color-image reproduction",
 //! *Journal of the SID* 5(1). Both images are separated into luminance, red-green and blue-yellow planes.
 //! Each plane is blurred with the kernel of the eye for it. CIELAB then compares the blurred images.
+//!
+//! Grey is neutral in these planes only under light such as D65. Under a warm lamp an edge between light and dark would be one of colour, which
+//! the kernels of different width would turn into coloured fringes that nobody sees. X, Y, Z are therefore scaled from their white to that of
+//! D65 before the separation and back after the blur, as the eye adapts, and as iCAM does ([fairchild2004]). The scaling is that of CIELAB, so that
+//! uniform images still differ as their colours.
+//!
+//! [fairchild2004]: https://doi.org/10.1117/1.1635368
 
 use rayon::prelude::*;
 use thiserror::Error;
 
 use super::difference::{DeltaE, DifferenceMap, LabReference, check_pair};
-use super::matrix::{Matrix3, inverse, known};
+use super::matrix::{Matrix3, diagonal, inverse, known, product};
 use super::{Image, ImageError};
 use crate::numeric::mirror::about_border;
 use crate::numeric::simd::{Kernel, dispatch};
@@ -23,6 +30,9 @@ pub enum ScielabError {
     /// The kernels cannot be sampled at this resolution.
     #[error("samples_per_degree is {0}; expected 1 to 2000")]
     SamplesPerDegree(f64),
+    /// CIELAB is undefined relative to this white.
+    #[error("white is X, Y, Z = {0:?}; expected three finite numbers above 0")]
+    White([f64; 3]),
 }
 
 /// The interpretation of the kernel widths, which are in degrees.
@@ -77,6 +87,19 @@ impl Opponent {
     }
 }
 
+/// The white that is neutral in the opponent planes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Adaptation {
+    /// That of the images: X, Y, Z are scaled from it to D65 before the separation.
+    #[default]
+    White,
+    /// None, as in the paper and in ISETCam: X, Y, Z as they are. Under D65 the results are the same.
+    None,
+}
+
+/// X, Y, Z of D65 for the 2° observer, Y = 1 (CIE 15).
+const D65: [f64; 3] = [0.95047, 1.0, 1.08883];
+
 /// Extension of the images beyond their borders.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Extension {
@@ -98,15 +121,17 @@ pub struct Scielab {
     pub kernels: KernelWidth,
     /// The matrix to opponent colours.
     pub opponent: Opponent,
+    /// The white that is neutral in the opponent planes.
+    pub adaptation: Adaptation,
     /// Extension of the images beyond their borders.
     pub extension: Extension,
 }
 
 /// S-CIELAB of two images in XYZ (CIE 1931) relative to a white in the same scale. The kernels are those of
-/// the paper, and the images are reflected at their borders. [`Scielab`] offers the alternatives.
+/// the paper, white is neutral for them, and the images are reflected at their borders. [`Scielab`] offers the alternatives.
 ///
 /// # Errors
-/// When an image is not in XYZ, the sizes differ, or `samples_per_degree` is not within 1–2000.
+/// When an image is not in XYZ, the sizes differ, `white` is not positive, or `samples_per_degree` is not within 1–2000.
 pub fn scielab(
     reference: &Image,
     test: &Image,
@@ -118,7 +143,7 @@ pub fn scielab(
 }
 
 impl Scielab {
-    /// The settings of the paper.
+    /// The settings of the paper, with an eye that is adapted to white.
     #[must_use]
     pub fn new(samples_per_degree: f64, formula: DeltaE) -> Self {
         Self {
@@ -126,6 +151,7 @@ impl Scielab {
             formula,
             kernels: KernelWidth::default(),
             opponent: Opponent::default(),
+            adaptation: Adaptation::default(),
             extension: Extension::default(),
         }
     }
@@ -146,7 +172,7 @@ impl Scielab {
 
     /// A reference after the blur of the eye, to which several images of its size are compared.
     pub(crate) fn reference(&self, reference: &Image, white: [f64; 3]) -> Result<LabReference, ScielabError> {
-        let filtered = self.filtered(reference)?;
+        let filtered = self.filtered(reference, white)?;
         let size = (reference.rows(), reference.cols());
         Ok(LabReference::new(size, filtered.each_ref().map(Vec::as_slice), white))
     }
@@ -157,14 +183,32 @@ impl Scielab {
         reference: &LabReference,
         test: &Image,
     ) -> Result<DifferenceMap, ScielabError> {
-        Ok(reference.map(self.filtered(test)?.each_ref().map(Vec::as_slice), self.formula))
+        let filtered = self.filtered(test, reference.white())?;
+        Ok(reference.map(filtered.each_ref().map(Vec::as_slice), self.formula))
     }
 
-    /// The X, Y, Z planes of an image after the blur of the eye.
-    pub(crate) fn filtered(&self, image: &Image) -> Result<[Vec<f32>; 3], ScielabError> {
+    /// The matrices from X, Y, Z relative to a white to the opponent colours, and back.
+    ///
+    /// # Errors
+    /// When the white is not positive.
+    pub(crate) fn opponent_matrices(&self, white: [f64; 3]) -> Result<[Matrix3; 2], ScielabError> {
+        if !white.iter().all(|v| v.is_finite() && *v > 0.0) {
+            return Err(ScielabError::White(white));
+        }
+        let [to, from] = [self.opponent.matrix(), self.opponent.inverse_matrix()];
+        Ok(match self.adaptation {
+            Adaptation::None => [to, from],
+            Adaptation::White => {
+                let scale: [f64; 3] = std::array::from_fn(|i| D65[i] * white[1] / white[i]);
+                [product(&to, &diagonal(scale)), product(&diagonal(scale.map(f64::recip)), &from)]
+            }
+        })
+    }
+
+    /// The X, Y, Z planes of an image after the blur of the eye, which sees `white` as neutral.
+    pub(crate) fn filtered(&self, image: &Image, white: [f64; 3]) -> Result<[Vec<f32>; 3], ScielabError> {
         let kernels = self.kernels()?;
-        let opponent_from_xyz = self.opponent.matrix();
-        let xyz_from_opponent = self.opponent.inverse_matrix();
+        let [opponent_from_xyz, xyz_from_opponent] = self.opponent_matrices(white)?;
         let opponent = transformed(&opponent_from_xyz, image.channels());
         let shape = (image.rows(), image.cols());
         let blurred = [0, 1, 2].map(|c| blur(&opponent[c], shape, &kernels[c], self.extension));
@@ -406,6 +450,41 @@ mod tests {
         }
     }
 
+    /// An error of brightness is seen alike under every light, and a uniform picture differs as its colour does.
+    #[test]
+    fn achromatic_errors_are_the_same_under_every_light() {
+        let under = |white: [f64; 3], y: &dyn Fn(usize, usize) -> f64| {
+            let plane = |w: f64| (0..60 * 60).map(|i| (y(i / 60, i % 60) * w) as f32).collect::<Vec<_>>();
+            let data = white.iter().flat_map(|w| plane(w / white[1])).collect();
+            Image::new(ColorSpace::Xyz, Planes::new(60, 60, 3, data).unwrap()).unwrap()
+        };
+        let edge = |_: usize, c: usize| if c < 30 { 8.0 } else { 80.0 };
+        let blurred = |r: usize, c: usize| edge(r, c) + if c == 30 { -25.0 } else { (r % 3) as f64 };
+        let maps = |adaptation| {
+            // D65, illuminant A, and a blue sky.
+            [WHITE, [109.85, 100.0, 35.585], [98.0, 100.0, 130.0]].map(|white| {
+                let scielab = Scielab { adaptation, ..Scielab::new(60.0, DeltaE::Cie1976) };
+                scielab.compare(&under(white, &edge), &under(white, &blurred), white).unwrap().values
+            })
+        };
+        let [d65, others @ ..] = maps(Adaptation::White);
+        for other in others {
+            for (a, b) in d65.iter().zip(&other) {
+                assert!((a - b).abs() < 2e-3, "{a} {b}");
+            }
+        }
+        // Without adaptation, D65 is the same and the lamp is not.
+        let [plain, lamp, _] = maps(Adaptation::None);
+        let mean = |map: &[f32]| map.iter().map(|v| f64::from(*v)).sum::<f64>() / map.len() as f64;
+        assert!((mean(&plain) - mean(&d65)).abs() < 1e-4, "{} {}", mean(&plain), mean(&d65));
+        assert!(mean(&lamp) > 1.1 * mean(&d65), "{} {}", mean(&lamp), mean(&d65));
+        let lamp = [109.85, 100.0, 35.585];
+        let (dark, bright) = (under(lamp, &|_, _| 40.0), under(lamp, &|_, _| 43.0));
+        let colors = delta_e_map(&dark, &bright, lamp, DeltaE::Cie1976).unwrap();
+        let seen = scielab(&dark, &bright, lamp, 60.0, DeltaE::Cie1976).unwrap();
+        assert!((seen.mean() - colors.mean()).abs() < 1e-3, "{} {}", seen.mean(), colors.mean());
+    }
+
     /// Zhang and Wandell 1997, table 1: weights with three decimals, of planes that sum to 0.918, 0.861 and 0.859, and spreads in
     /// degrees, where a kernel has fallen to 1/e.
     #[test]
@@ -456,6 +535,9 @@ mod tests {
                 scielab(&a, &a, WHITE, s, DeltaE::Cie1976),
                 Err(ScielabError::SamplesPerDegree(_))
             ));
+        }
+        for white in [[0.0, 1.0, 1.0], [1.0, -1.0, 1.0], [1.0, 1.0, f64::NAN], [f64::INFINITY, 1.0, 1.0]] {
+            assert!(matches!(scielab(&a, &a, white, 60.0, DeltaE::Cie1976), Err(ScielabError::White(_))));
         }
         let srgb = Image::new(ColorSpace::Srgb, Planes::zeros(4, 4, 3)).unwrap();
         assert!(scielab(&srgb, &srgb, WHITE, 60.0, DeltaE::Cie1976).is_err());

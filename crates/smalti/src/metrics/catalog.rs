@@ -90,7 +90,7 @@ pub const CATALOG: &[MetricInfo] = &[
         "scielab_mean",
         "ΔE",
         Lower,
-        "Mean colour difference from a reference picture after the blur of the eye at the viewing distance.",
+        "Mean colour difference from a reference picture after the blur of the eye at the viewing distance, adapted to the light of the scene.",
         "Zhang & Wandell 1997",
     ),
     metric(

@@ -114,6 +114,11 @@ impl LabReference {
         Self { size, white, lab }
     }
 
+    /// X, Y, Z of white.
+    pub(crate) fn white(&self) -> [f64; 3] {
+        self.white
+    }
+
     /// ΔE of planes of X, Y, Z, whose lengths have been checked.
     pub(crate) fn map(&self, test: [&[f32]; 3], formula: DeltaE) -> DifferenceMap {
         let (rows, cols) = self.size;

@@ -15,7 +15,7 @@ use super::layout::Layout;
 use crate::camera::{CameraError, ScoreSettings};
 use crate::color::DeltaE;
 use crate::color::matrix::Matrix3;
-use crate::color::scielab::{Opponent, Scielab};
+use crate::color::scielab::Scielab;
 use crate::design::error::DesignError;
 use crate::metrics::MetricError;
 
@@ -48,14 +48,12 @@ impl SampleNoise {
 }
 
 impl Eye {
-    /// The filters for patches of `side` × `side` pixels.
-    pub(super) fn new(side: usize) -> Result<Self, DesignError> {
-        let (scielab, opponent) = (
-            Scielab::new(ScoreSettings::default().samples_per_degree, DeltaE::Ciede2000),
-            Opponent::default(),
-        );
-        let overlaps = scielab.overlaps(side - 1).map_err(|e| CameraError::from(MetricError::from(e)))?;
-        let (opponent_from_xyz, xyz_from_opponent) = (opponent.matrix(), opponent.inverse_matrix());
+    /// The filters for patches of `side` × `side` pixels under a light of which X, Y, Z are `white`.
+    pub(super) fn new(side: usize, white: [f64; 3]) -> Result<Self, DesignError> {
+        let scielab = Scielab::new(ScoreSettings::default().samples_per_degree, DeltaE::Ciede2000);
+        let failed = |e| CameraError::from(MetricError::from(e));
+        let overlaps = scielab.overlaps(side - 1).map_err(failed)?;
+        let [opponent_from_xyz, xyz_from_opponent] = scielab.opponent_matrices(white).map_err(failed)?;
         Ok(Self { side, overlaps, opponent_from_xyz, xyz_from_opponent })
     }
 
@@ -206,11 +204,13 @@ mod tests {
 
     const SIDE: usize = 3;
     const SIZE: usize = 96;
+    /// A warm lamp.
+    const WHITE: [f64; 3] = [1.0985, 1.0, 0.35585];
 
     fn random_noise(layout: &Layout, mosaic: &Mosaic) -> (SampleNoise, Vec<[f64; 3]>, Vec<f64>) {
         let mut stream = Stream::new(5, 6, 7);
         let mut noise = SampleNoise::new(layout);
-        let eye = Eye::new(SIDE).unwrap();
+        let eye = Eye::new(SIDE, WHITE).unwrap();
         let of_filter: Vec<f64> = (0..mosaic.channels()).map(|_| stream.uniform() + 0.2).collect();
         let xyz: Vec<[f64; 3]> =
             (0..noise.weights.len()).map(|_| [(); 3].map(|()| stream.uniform() - 0.3)).collect();
@@ -228,7 +228,7 @@ mod tests {
         let mosaic = Mosaic::new(2, 3, vec![0, 1, 2, 3, 1, 0]).unwrap();
         let layout = Layout::new(SIDE, 0, &mosaic);
         let (noise, xyz, of_filter) = random_noise(&layout, &mosaic);
-        let found = Eye::new(SIDE).unwrap().noise(&layout, &noise);
+        let found = Eye::new(SIDE, WHITE).unwrap().noise(&layout, &noise);
         let scielab = Scielab::new(ScoreSettings::default().samples_per_degree, DeltaE::Ciede2000);
         let mut expected = [0.0; 6];
         for cell in 0..6 {
@@ -242,7 +242,7 @@ mod tests {
                     planes.plane_mut(i).unwrap()[r * SIZE + c] = xyz[position * SIDE * SIDE + tap][i] as f32;
                 }
             }
-            let seen = scielab.filtered(&Image::new(ColorSpace::Xyz, planes).unwrap()).unwrap();
+            let seen = scielab.filtered(&Image::new(ColorSpace::Xyz, planes).unwrap(), WHITE).unwrap();
             let variance = of_filter[mosaic.channel_at(row, col)];
             for (sum, (c, d)) in expected.iter_mut().zip(super::super::color_error::PACKED) {
                 let products = seen[c].iter().zip(&seen[d]).map(|(a, b)| f64::from(*a) * f64::from(*b));
@@ -259,7 +259,7 @@ mod tests {
         let mosaic = Mosaic::new(2, 2, vec![0, 1, 2, 1]).unwrap();
         let layout = Layout::new(SIDE, 0, &mosaic);
         let (noise, xyz, _) = random_noise(&layout, &mosaic);
-        let eye = Eye::new(SIDE).unwrap();
+        let eye = Eye::new(SIDE, WHITE).unwrap();
         let phi = [[1.0, 0.3, -0.2], [0.3, 2.0, 0.5], [-0.2, 0.5, 0.7]];
         let value = |noise: &SampleNoise| {
             let n = unpacked(&eye.noise(&layout, noise), 1.0);

@@ -362,7 +362,7 @@ mod tests {
             detailed: vec![ZERO; groups],
             detailed_share: 0.0,
             per_white_squared: vec![ZERO; groups],
-            eye: Eye::new(3).unwrap(),
+            eye: Eye::new(3, [1.0; 3]).unwrap(),
             colors: Vec::new(),
             levels: Vec::new(),
             electrons: Vec::new(),

@@ -103,7 +103,7 @@ impl Screen {
             detailed: vec![ZERO; groups],
             detailed_share: 0.0,
             per_white_squared: vec![ZERO; groups],
-            eye: Eye::new(side)?,
+            eye: Eye::new(side, statistics.white())?,
             colors: Vec::with_capacity(classes.len()),
             levels: Vec::new(),
             electrons: electrons(camera, statistics)?,
