@@ -4,7 +4,7 @@ use std::fmt;
 
 use super::{Camera, CameraError, TrainingItem};
 use crate::color::jakob_hanika2019::Uplift;
-use crate::scene::{Scene, Setting, catalog};
+use crate::scene::{Glints, Scene, Setting, catalog};
 use crate::spectrum::{Illuminant, Observer, Spectrum, WavelengthGrid, reflectance};
 
 /// Revision of the default training set of the first stage. It increases when the scenes or their parts that are learned from change, so
@@ -31,6 +31,8 @@ const GREYS: usize = 16;
 const GREYS_AMONG_PAINTS: usize = 8;
 /// White paint reflects violet light as its pigment, titanium dioxide (rutile), does: a logistic edge, nm, and its width, nm.
 const WHITE_PAINT_NM: [f64; 2] = [402.0, 9.0];
+/// Glints on a fiftieth of the samples and thus near every tenth pixel, most of them about as bright as white.
+const GLINTS: Glints = Glints { share: 0.02, least: 0.5, exponent: 1.5, seed: 0 };
 /// Scenes of paints, less their size, and whether they have warm local light.
 const PAINTED_SCENES: [(&str, bool); 3] = [
     ("dead-leaves?seed=32&least=3&largest=60", true),
@@ -49,6 +51,8 @@ pub struct TrainingScene {
     pub light: Illuminant,
     /// Whether it has warm local light: see [`TrainingScene::build`].
     pub has_warm_light: bool,
+    /// The seed of its glints, if it has any: see [`TrainingScene::build`].
+    pub glints: Option<u64>,
 }
 
 /// What the surfaces of a training scene reflect.
@@ -181,7 +185,7 @@ pub fn training_scenes(lights: &[Illuminant], stored: &dyn StoredTrainingScenes)
     let light = |i: usize| lights[(i + i / 4) % lights.len()].clone();
     let scene = |(i, content)| {
         let light = light(i);
-        TrainingScene { content, surfaces: Surfaces::Natural, light, has_warm_light: false }
+        TrainingScene { content, surfaces: Surfaces::Natural, light, has_warm_light: false, glints: None }
     };
     contents.enumerate().map(scene).collect()
 }
@@ -189,8 +193,8 @@ pub fn training_scenes(lights: &[Illuminant], stored: &dyn StoredTrainingScenes)
 /// The default training set of the second stage: the [`training_scenes`] with painted greys instead of even ones, and one scene of leaves
 /// and two of patches with the colours of paints. Photographs show painted and printed things, whose whites absorb violet light.
 ///
-/// Every second scene of leaves and patches among the former has warm local light, and so have two of the latter. Charts of greys and
-/// paper stay white, and photographs as they are.
+/// Every second scene of leaves and patches among the former has warm local light, and so have two of the latter. The other leaves have
+/// glints. Charts of greys and paper stay white, and photographs as they are.
 ///
 /// What [`training_scenes`] leaves out for the tests, it leaves out as well.
 #[must_use]
@@ -199,12 +203,14 @@ pub fn refinement_scenes(lights: &[Illuminant], stored: &dyn StoredTrainingScene
     let mut all = training_scenes(lights, stored);
     for (i, scene) in all.iter_mut().enumerate() {
         scene.surfaces = Surfaces::NaturalAndPaintedGreys;
-        scene.has_warm_light = i % 2 == 1 && ["dead-leaves", "color-patches"].contains(&scene.content.name());
+        let name = scene.content.name();
+        scene.has_warm_light = i % 2 == 1 && ["dead-leaves", "color-patches"].contains(&name);
+        scene.glints = (name == "dead-leaves" && !scene.has_warm_light).then_some(i as u64);
     }
     let lights: Vec<Illuminant> = all.iter().map(|s| s.light.clone()).collect();
     all.extend(PAINTED_SCENES.into_iter().zip(lights).map(|((spec, has_warm_light), light)| {
         let content = TrainingContent::Catalog(format!("{spec}&rows={n}&cols={n}"));
-        TrainingScene { content, surfaces: Surfaces::Paints, light, has_warm_light }
+        TrainingScene { content, surfaces: Surfaces::Paints, light, has_warm_light, glints: None }
     }));
     all
 }
@@ -259,6 +265,9 @@ impl TrainingScene {
     /// scenes, the second stage of a pipeline would take everything bright and warm for one of the few surfaces of that colour that it
     /// has seen.
     ///
+    /// [Glints] have the colour of the light, but a mosaic samples each in one or two of its channels. Without such scenes, the second
+    /// stage would take the false colours that follow for those of surfaces.
+    ///
     /// # Errors
     /// When there is no such scene, it cannot be loaded, or the wavelengths differ.
     pub fn build(
@@ -282,6 +291,10 @@ impl TrainingScene {
         let px = scene.radiance().cols() / SAMPLES_PER_PX;
         let deg = camera.field_of_view_deg(px.max(1), setting.distance_m)?;
         let scene = scene.with_fov(deg)?;
+        let scene = match self.glints {
+            Some(seed) => scene.with_glints(&Glints { seed, ..GLINTS })?,
+            None => scene,
+        };
         let [warm, cool] = &WARM_INSTEAD_OF_COOL;
         Ok(if self.has_warm_light { scene.in_local_light(warm, cool)? } else { scene })
     }

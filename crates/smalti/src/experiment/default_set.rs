@@ -241,6 +241,7 @@ mod tests {
             surfaces: Surfaces::Natural,
             light: light.clone(),
             has_warm_light: false,
+            glints: None,
         };
         let (d65, a) = (under(&Illuminant::D65), under(&Illuminant::A));
         let statistics = |scene: &TrainingScene| {

@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use super::SceneError;
+use super::glints::Glints;
 use super::setting::{require_distance, require_fov, require_luminance};
 use crate::numeric::{Planes, require};
 use crate::spectrum::{
@@ -140,6 +141,21 @@ impl Scene {
         self.keep_luminance(&mut factors)?;
         let illuminant = self.illuminant.clone();
         self.multiplied(&factors, illuminant)
+    }
+
+    /// The scene with glints added to its radiance. Its mean luminance increases by theirs.
+    ///
+    /// # Errors
+    /// When a parameter of the glints is out of range.
+    pub fn with_glints(self, glints: &Glints) -> Result<Self, SceneError> {
+        let grid = self.radiance.grid();
+        let mut planes = self.radiance.into_planes();
+        let len = planes.plane_len().max(1);
+        let drawn = glints.draw(planes.plane_len())?;
+        planes.data_mut().par_chunks_mut(len).zip(self.illuminant.values()).for_each(|(plane, white)| {
+            drawn.iter().for_each(|&(sample, brightness)| plane[sample] += (brightness * white) as f32);
+        });
+        Ok(Self { radiance: SpectralCube::new(grid, planes)?, ..self })
     }
 
     /// Scales the factors of its planes so that its mean luminance is kept, and returns the scale.

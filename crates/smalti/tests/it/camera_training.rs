@@ -147,15 +147,16 @@ fn the_default_set_meets_every_light() {
 }
 
 /// The second stage also learns from paints, and every second scene of leaves and patches has warm local light, which changes the colour
-/// of its pixels, but neither its luminance nor its white. All other scenes are those of the first stage with other greys.
+/// of its pixels, but neither its luminance nor its white. The other leaves have glints. All other scenes are those of the first stage with
+/// other greys.
 #[test]
-fn the_second_stage_has_paints_and_warm_local_light() {
+fn the_second_stage_has_paints_warm_local_light_and_glints() {
     let camera = camera("bayer");
     let reflectances = SurfaceReflectances::new(camera.grid()).unwrap();
     let lights = [Illuminant::D65];
     let (first, second) =
         (training_scenes(&lights, &NoStoredScenes), refinement_scenes(&lights, &NoStoredScenes));
-    assert!(first.iter().all(|s| s.surfaces == Surfaces::Natural && !s.has_warm_light));
+    assert!(first.iter().all(|s| s.surfaces == Surfaces::Natural && !s.has_warm_light && s.glints.is_none()));
     let (shared, painted) = second.split_at(first.len());
     assert!(shared.iter().zip(&first).all(|(a, b)| (&a.content, &a.light) == (&b.content, &b.light)));
     assert!(shared.iter().all(|s| s.surfaces == Surfaces::NaturalAndPaintedGreys));
@@ -165,9 +166,20 @@ fn the_second_stage_has_paints_and_warm_local_light() {
     };
     assert_eq!(warm(shared), [["dead-leaves"; 6].as_slice(), &["color-patches"]].concat());
     assert_eq!(warm(painted), ["dead-leaves", "color-patches"]);
+    let glinting: Vec<&TrainingScene> = second.iter().filter(|s| s.glints.is_some()).collect();
+    assert_eq!(glinting.len(), 6);
+    assert!(glinting.iter().all(|s| s.content.name() == "dead-leaves" && !s.has_warm_light));
+    let mut seeds: Vec<_> = glinting.iter().map(|s| s.glints).collect();
+    seeds.dedup();
+    assert_eq!(seeds.len(), 6);
+    let build = |scene: &TrainingScene| scene.build(&camera, &reflectances, &NoStoredScenes).unwrap();
+    let (with, without) = (build(glinting[0]), build(&TrainingScene { glints: None, ..glinting[0].clone() }));
+    let [brighter, before] = [&with, &without].map(|s| s.luminance_cd_m2().unwrap());
+    let more = brighter.iter().zip(&before).filter(|(a, b)| a > b).count() as f64 / before.len() as f64;
+    assert!((0.019..0.021).contains(&more), "{more}");
     for scene in &shared[..2] {
         let built = |has_warm_light| {
-            let scene = TrainingScene { has_warm_light, ..scene.clone() };
+            let scene = TrainingScene { has_warm_light, glints: None, ..scene.clone() };
             scene.build(&camera, &reflectances, &NoStoredScenes).unwrap()
         };
         let (local, whole) = (built(scene.has_warm_light), built(false));

@@ -7,11 +7,11 @@ use common::assert_close;
 use rustfft::FftPlanner;
 use rustfft::num_complex::Complex;
 use smalti::scene::{
-    Checkerboard, ColorPatches, DeadLeaves, FrequencyOrientation, FrequencySweep, GlossyBalls, Gradients,
-    GreySteps, PatternSampling, PointGrid, ResolutionChart, Scene, SceneError, Setting, SiemensStar,
-    SlantedBar, ZonePlate, checkerboard, color_patches, dead_leaves, frequency_orientation, frequency_sweep,
-    glossy_balls, gradients, grey_steps, hdr, macbeth, point_grid, resolution_chart, siemens_star,
-    slanted_bar, uniform, zone_plate, zone_plate_isetcam,
+    Checkerboard, ColorPatches, DeadLeaves, FrequencyOrientation, FrequencySweep, Glints, GlossyBalls,
+    Gradients, GreySteps, PatternSampling, PointGrid, ResolutionChart, Scene, SceneError, Setting,
+    SiemensStar, SlantedBar, ZonePlate, checkerboard, color_patches, dead_leaves, frequency_orientation,
+    frequency_sweep, glossy_balls, gradients, grey_steps, hdr, macbeth, point_grid, resolution_chart,
+    siemens_star, slanted_bar, uniform, zone_plate, zone_plate_isetcam,
 };
 use smalti::spectrum::{Illuminant, Observer, Spectrum, WavelengthGrid};
 
@@ -273,6 +273,51 @@ fn local_light_changes_pixels_and_no_white() {
     let dark = Illuminant::Measured { name: "dark".into(), power: Spectrum::constant(GRID, 0.0).unwrap() };
     let refused = built.in_local_light(&Illuminant::A, &dark).unwrap_err();
     assert!(matches!(refused, SceneError::NoLightToDivideBy { .. }), "{refused:?}");
+}
+
+/// Glints have the colour of the light, lie on the stated share of the samples, and exceed k times the least brightness with the
+/// probability k⁻ᵉ; all other samples stay.
+#[test]
+fn glints_have_the_colour_of_the_light_and_a_pareto_distribution() {
+    let built = uniform(200, 300, &setting(50.0)).unwrap();
+    let glints = Glints { share: 0.05, least: 0.5, exponent: 1.5, seed: 3 };
+    let scene = built.clone().with_glints(&glints).unwrap();
+    let single = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    assert_eq!(single.install(|| built.clone().with_glints(&glints).unwrap()), scene);
+    assert_eq!(scene.illuminant(), built.illuminant());
+    let added = |band: usize| -> Vec<f64> {
+        let planes = [&scene, &built].map(|s| s.radiance().planes().plane(band).unwrap());
+        let white = scene.illuminant().values()[band];
+        planes[0].iter().zip(planes[1]).map(|(a, b)| f64::from(a - b) / white).collect()
+    };
+    let first = added(0);
+    for band in [7, GRID.len() - 1] {
+        for (a, b) in added(band).iter().zip(&first) {
+            assert!((a - b).abs() < 1e-5 * (1.0 + b), "{a} {b}");
+        }
+    }
+    let mut drawn: Vec<f64> = first.into_iter().filter(|v| *v != 0.0).collect();
+    drawn.sort_by(f64::total_cmp);
+    // Of 60 000 samples; the standard deviation of the count is 53.
+    let count = drawn.len() as f64;
+    assert!((count - 3000.0).abs() < 200.0, "{count}");
+    assert!(drawn[0] > 0.499 && *drawn.last().unwrap() < 30.001, "{drawn:?}");
+    for k in [1.5f64, 3.0, 10.0] {
+        let above = drawn.iter().filter(|v| **v > 0.5 * k).count() as f64 / count;
+        let expected = k.powf(-1.5);
+        let deviation = (expected * (1.0 - expected) / count).sqrt();
+        assert!((above - expected).abs() < 4.0 * deviation, "{above} {expected}");
+    }
+    // A greatest brightness of 30 is met by one in 465.
+    assert!(drawn.iter().filter(|v| **v > 29.99).count() < 20);
+    for bad in [
+        Glints { share: 1.5, ..glints },
+        Glints { least: 0.0, ..glints },
+        Glints { exponent: 0.0, ..glints },
+        Glints { exponent: f64::NAN, ..glints },
+    ] {
+        assert!(built.clone().with_glints(&bad).is_err(), "{bad:?}");
+    }
 }
 
 #[test]
