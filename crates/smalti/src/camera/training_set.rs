@@ -31,8 +31,18 @@ const GREYS: usize = 16;
 const GREYS_AMONG_PAINTS: usize = 8;
 /// White paint reflects violet light as its pigment, titanium dioxide (rutile), does: a logistic edge, nm, and its width, nm.
 const WHITE_PAINT_NM: [f64; 2] = [402.0, 9.0];
+/// Whites of the first stage that white paint replaces: parts of the specifications of scenes, of which the first one that has each is
+/// painted. The others stay even, because a mosaic cannot tell the two whites apart.
+const PAINTED_WHITES: [&str; 4] = ["paint=white", "glossy-balls", "siemens-star", "grey-steps"];
 /// Glints on a fiftieth of the samples and thus near every tenth pixel, most of them about as bright as white.
-const GLINTS: Glints = Glints { share: 0.02, least: 0.5, exponent: 1.5, seed: 0 };
+const GLINTS: Glints = Glints { share: 0.02, least: 0.7, exponent: 1.5, seed: 0 };
+/// Scenes with glints, less their size: leaves of four scales.
+const GLINTING_SCENES: [&str; 4] = [
+    "dead-leaves?seed=40&least=1.5&largest=200",
+    "dead-leaves?seed=41&least=3&largest=60",
+    "dead-leaves?seed=42&least=1&largest=30",
+    "dead-leaves?seed=43&least=8&largest=400",
+];
 /// Scenes of paints, less their size, and whether they have warm local light.
 const PAINTED_SCENES: [(&str, bool); 3] = [
     ("dead-leaves?seed=32&least=3&largest=60", true),
@@ -51,6 +61,8 @@ pub struct TrainingScene {
     pub light: Illuminant,
     /// Whether it has warm local light: see [`TrainingScene::build`].
     pub has_warm_light: bool,
+    /// Whether its whites are those of paint: see [`TrainingScene::build`].
+    pub has_painted_white: bool,
     /// The seed of its glints, if it has any: see [`TrainingScene::build`].
     pub glints: Option<u64>,
 }
@@ -62,13 +74,16 @@ pub enum Surfaces {
     Natural,
     /// The same, with greys of white paint, which absorb violet light.
     NaturalAndPaintedGreys,
+    /// The latter and [paints](reflectance::paints).
+    NaturalAndPaints,
     /// [Paints](reflectance::paints) and such greys.
     Paints,
 }
 
 impl Surfaces {
     /// All kinds.
-    pub const ALL: [Self; 3] = [Self::Natural, Self::NaturalAndPaintedGreys, Self::Paints];
+    pub const ALL: [Self; 4] =
+        [Self::Natural, Self::NaturalAndPaintedGreys, Self::NaturalAndPaints, Self::Paints];
 }
 
 /// The reflectances of all [`Surfaces`] on a wavelength grid.
@@ -76,7 +91,9 @@ impl Surfaces {
 pub struct SurfaceReflectances {
     natural: Vec<Spectrum>,
     natural_and_painted_greys: Vec<Spectrum>,
+    natural_and_paints: Vec<Spectrum>,
     paints: Vec<Spectrum>,
+    white_paint: Spectrum,
 }
 
 impl SurfaceReflectances {
@@ -87,12 +104,17 @@ impl SurfaceReflectances {
     pub fn new(grid: WavelengthGrid) -> Result<Self, CameraError> {
         let [edge, width] = WHITE_PAINT_NM;
         let passed = grid.wavelengths_nm().map(|nm| 1.0 / (1.0 + (-(nm - edge) / width).exp()));
-        let white = Spectrum::new(grid, passed.collect())?;
-        let mut paints: Vec<Spectrum> = reflectance::paints(grid)?.into_iter().map(|(_, s)| s).collect();
-        paints.extend(greys(&white, GREYS_AMONG_PAINTS)?);
+        let white_paint = Spectrum::new(grid, passed.collect())?;
+        let chips: Vec<Spectrum> = reflectance::paints(grid)?.into_iter().map(|(_, s)| s).collect();
         let chromatic = Chromatic::new(grid)?;
-        let natural = chromatic.with_greys(&even_white(grid)?)?;
-        Ok(Self { natural, natural_and_painted_greys: chromatic.with_greys(&white)?, paints })
+        let natural_and_painted_greys = chromatic.with_greys(&white_paint)?;
+        Ok(Self {
+            natural: chromatic.with_greys(&even_white(grid)?)?,
+            natural_and_paints: [natural_and_painted_greys.as_slice(), &chips].concat(),
+            natural_and_painted_greys,
+            paints: [chips, greys(&white_paint, GREYS_AMONG_PAINTS)?].concat(),
+            white_paint,
+        })
     }
 
     /// Those of a kind.
@@ -101,6 +123,7 @@ impl SurfaceReflectances {
         match surfaces {
             Surfaces::Natural => &self.natural,
             Surfaces::NaturalAndPaintedGreys => &self.natural_and_painted_greys,
+            Surfaces::NaturalAndPaints => &self.natural_and_paints,
             Surfaces::Paints => &self.paints,
         }
     }
@@ -185,33 +208,46 @@ pub fn training_scenes(lights: &[Illuminant], stored: &dyn StoredTrainingScenes)
     let light = |i: usize| lights[(i + i / 4) % lights.len()].clone();
     let scene = |(i, content)| {
         let light = light(i);
-        TrainingScene { content, surfaces: Surfaces::Natural, light, has_warm_light: false, glints: None }
+        TrainingScene::plain(content, Surfaces::Natural, light)
     };
     contents.enumerate().map(scene).collect()
 }
 
-/// The default training set of the second stage: the [`training_scenes`] with painted greys instead of even ones, and one scene of leaves
-/// and two of patches with the colours of paints. Photographs show painted and printed things, whose whites absorb violet light.
+/// The default training set of the second stage: the [`training_scenes`] with painted greys instead of even ones, of which every second
+/// scene of leaves and patches has warm local light, four further scenes of leaves with glints, and one scene of leaves and two of patches
+/// with the colours of paints, two of these in warm local light as well.
 ///
-/// Every second scene of leaves and patches among the former has warm local light, and so have two of the latter. The other leaves have
-/// glints. Charts of greys and paper stay white, and photographs as they are.
+/// Photographs show painted and printed things, whose whites absorb violet light. Leaves in warm light and all patches therefore have
+/// paints among their surfaces, and one of every kind of scene with white paper or even greys has the white of paint.
 ///
 /// What [`training_scenes`] leaves out for the tests, it leaves out as well.
 #[must_use]
 pub fn refinement_scenes(lights: &[Illuminant], stored: &dyn StoredTrainingScenes) -> Vec<TrainingScene> {
     let n = SCENE_PX * SAMPLES_PER_PX;
     let mut all = training_scenes(lights, stored);
+    let mut whites = PAINTED_WHITES.to_vec();
     for (i, scene) in all.iter_mut().enumerate() {
-        scene.surfaces = Surfaces::NaturalAndPaintedGreys;
         let name = scene.content.name();
         scene.has_warm_light = i % 2 == 1 && ["dead-leaves", "color-patches"].contains(&name);
-        scene.glints = (name == "dead-leaves" && !scene.has_warm_light).then_some(i as u64);
+        let has_paints = scene.has_warm_light || name == "color-patches";
+        scene.surfaces =
+            if has_paints { Surfaces::NaturalAndPaints } else { Surfaces::NaturalAndPaintedGreys };
+        let spec = scene.content.to_string();
+        let white = whites.iter().position(|part| spec.contains(part));
+        scene.has_painted_white = white.map(|i| whites.remove(i)).is_some();
     }
-    let lights: Vec<Illuminant> = all.iter().map(|s| s.light.clone()).collect();
-    all.extend(PAINTED_SCENES.into_iter().zip(lights).map(|((spec, has_warm_light), light)| {
+    let mut lights = all.iter().map(|s| s.light.clone()).collect::<Vec<_>>().into_iter();
+    let mut further = |spec: &str, surfaces| {
         let content = TrainingContent::Catalog(format!("{spec}&rows={n}&cols={n}"));
-        TrainingScene { content, surfaces: Surfaces::Paints, light, has_warm_light, glints: None }
-    }));
+        TrainingScene::plain(content, surfaces, lights.next().unwrap_or(DEFAULT_TRAINING_LIGHT))
+    };
+    for (seed, spec) in (0..).zip(GLINTING_SCENES) {
+        let scene = further(spec, Surfaces::NaturalAndPaintedGreys);
+        all.push(TrainingScene { glints: Some(seed), ..scene });
+    }
+    for (spec, has_warm_light) in PAINTED_SCENES {
+        all.push(TrainingScene { has_warm_light, ..further(spec, Surfaces::Paints) });
+    }
     all
 }
 
@@ -227,6 +263,8 @@ impl fmt::Display for TrainingContent {
 /// How many times the pairs of a stored scene count for the second stage of pipelines. The seven natural scenes then count a little more
 /// than all others, whose uniform areas would teach it to take faint natural texture for noise.
 const STORED_TIMES: u32 = 4;
+/// The same for scenes with glints, which are rare and of which few pixels show one.
+const GLINTING_TIMES: u32 = 2;
 
 impl TrainingContent {
     /// The name without parameters.
@@ -247,10 +285,17 @@ pub(crate) fn dead_leaves(i: usize, n: usize) -> String {
 }
 
 impl TrainingScene {
+    /// A scene with the light of its illuminant alone, even whites and no glints.
+    #[must_use]
+    pub fn plain(content: TrainingContent, surfaces: Surfaces, light: Illuminant) -> Self {
+        Self { content, surfaces, light, has_warm_light: false, has_painted_white: false, glints: None }
+    }
+
     /// The scene in training, by its number in the set.
     #[must_use]
     pub fn item(&self, number: u64) -> TrainingItem {
         let times = match self.content {
+            TrainingContent::Catalog(_) if self.glints.is_some() => GLINTING_TIMES,
             TrainingContent::Catalog(_) => 1,
             TrainingContent::Stored(_) => STORED_TIMES,
         };
@@ -265,6 +310,9 @@ impl TrainingScene {
     /// scenes, the second stage of a pipeline would take everything bright and warm for one of the few surfaces of that colour that it
     /// has seen.
     ///
+    /// With a painted white, its surfaces reflect what they would under a coat of white paint, which absorbs violet light as its pigment,
+    /// titanium dioxide, does.
+    ///
     /// [Glints] have the colour of the light, but a mosaic samples each in one or two of its channels. Without such scenes, the second
     /// stage would take the false colours that follow for those of surfaces.
     ///
@@ -276,6 +324,7 @@ impl TrainingScene {
         reflectances: &SurfaceReflectances,
         stored: &dyn StoredTrainingScenes,
     ) -> Result<Scene, CameraError> {
+        let white_paint = &reflectances.white_paint;
         let reflectances = reflectances.of(self.surfaces);
         let grid = camera.grid();
         let setting = Setting { illuminant: self.light.clone(), grid, ..Setting::default() };
@@ -291,6 +340,7 @@ impl TrainingScene {
         let px = scene.radiance().cols() / SAMPLES_PER_PX;
         let deg = camera.field_of_view_deg(px.max(1), setting.distance_m)?;
         let scene = scene.with_fov(deg)?;
+        let scene = if self.has_painted_white { scene.coated(white_paint)? } else { scene };
         let scene = match self.glints {
             Some(seed) => scene.with_glints(&Glints { seed, ..GLINTS })?,
             None => scene,

@@ -236,13 +236,7 @@ mod tests {
         let reflectances = SurfaceReflectances::new(camera.grid()).unwrap();
         let spec = "dead-leaves?rows=96&cols=96&seed=3&least=2&largest=40";
         let spec = TrainingContent::Catalog(spec.into());
-        let under = |light: &Illuminant| TrainingScene {
-            content: spec.clone(),
-            surfaces: Surfaces::Natural,
-            light: light.clone(),
-            has_warm_light: false,
-            glints: None,
-        };
+        let under = |light: &Illuminant| TrainingScene::plain(spec.clone(), Surfaces::Natural, light.clone());
         let (d65, a) = (under(&Illuminant::D65), under(&Illuminant::A));
         let statistics = |scene: &TrainingScene| {
             let built = scene.build(&camera, &reflectances, &NoStoredScenes).unwrap();

@@ -143,6 +143,21 @@ impl Scene {
         self.multiplied(&factors, illuminant)
     }
 
+    /// The scene as if everything in it had a coat of this reflectance, such as that of the pigment of white paint: its radiance times the
+    /// reflectance. Lamps and highlights are dimmed as well; the [illuminant](Scene::illuminant) remains.
+    ///
+    /// # Errors
+    /// When the reflectance is on another grid, or negative or not finite somewhere.
+    pub fn coated(self, reflectance: &Spectrum) -> Result<Self, SceneError> {
+        let grid = self.radiance.grid();
+        if reflectance.grid() != grid {
+            return Err(SpectrumError::GridMismatch { left: reflectance.grid(), right: grid }.into());
+        }
+        reflectance.check("a reflectance", |v| v >= 0.0, "reflectances are not negative")?;
+        let illuminant = self.illuminant.clone();
+        self.multiplied(reflectance.values(), illuminant)
+    }
+
     /// The scene with glints added to its radiance. Its mean luminance increases by theirs.
     ///
     /// # Errors

@@ -146,9 +146,9 @@ fn the_default_set_meets_every_light() {
     }
 }
 
-/// The second stage also learns from paints, and every second scene of leaves and patches has warm local light, which changes the colour
-/// of its pixels, but neither its luminance nor its white. The other leaves have glints. All other scenes are those of the first stage with
-/// other greys.
+/// The second stage also learns from paints and from leaves with glints. Every second scene of leaves and patches has warm local light,
+/// which changes the colour of its pixels, but neither its luminance nor its white. One scene of each kind of white has that of paint. All
+/// other scenes are those of the first stage with other greys.
 #[test]
 fn the_second_stage_has_paints_warm_local_light_and_glints() {
     let camera = camera("bayer");
@@ -156,30 +156,43 @@ fn the_second_stage_has_paints_warm_local_light_and_glints() {
     let lights = [Illuminant::D65];
     let (first, second) =
         (training_scenes(&lights, &NoStoredScenes), refinement_scenes(&lights, &NoStoredScenes));
-    assert!(first.iter().all(|s| s.surfaces == Surfaces::Natural && !s.has_warm_light && s.glints.is_none()));
-    let (shared, painted) = second.split_at(first.len());
+    assert!(first.iter().all(|s| *s == TrainingScene::plain(s.content.clone(), s.surfaces, s.light.clone())));
+    assert!(first.iter().all(|s| s.surfaces == Surfaces::Natural));
+    let (shared, further) = second.split_at(first.len());
+    let (glinting, painted) = further.split_at(4);
     assert!(shared.iter().zip(&first).all(|(a, b)| (&a.content, &a.light) == (&b.content, &b.light)));
-    assert!(shared.iter().all(|s| s.surfaces == Surfaces::NaturalAndPaintedGreys));
+    for scene in shared {
+        let has_paints = scene.has_warm_light || scene.content.name() == "color-patches";
+        let expected = if has_paints { Surfaces::NaturalAndPaints } else { Surfaces::NaturalAndPaintedGreys };
+        assert_eq!(scene.surfaces, expected, "{}", scene.content);
+    }
+    assert_eq!(painted.len(), 3);
     assert!(painted.iter().all(|s| s.surfaces == Surfaces::Paints));
-    let warm = |scenes: &[TrainingScene]| -> Vec<String> {
-        scenes.iter().filter(|s| s.has_warm_light).map(|s| s.content.name().to_owned()).collect()
+    let names = |scenes: &[TrainingScene], has: &dyn Fn(&TrainingScene) -> bool| -> Vec<String> {
+        scenes.iter().filter(|s| has(s)).map(|s| s.content.name().to_owned()).collect()
     };
+    let warm = |scenes: &[TrainingScene]| names(scenes, &|s| s.has_warm_light);
     assert_eq!(warm(shared), [["dead-leaves"; 6].as_slice(), &["color-patches"]].concat());
     assert_eq!(warm(painted), ["dead-leaves", "color-patches"]);
-    let glinting: Vec<&TrainingScene> = second.iter().filter(|s| s.glints.is_some()).collect();
-    assert_eq!(glinting.len(), 6);
+    let whites = names(&second, &|s| s.has_painted_white);
+    assert_eq!(whites, ["gradients", "glossy-balls", "siemens-star", "grey-steps"]);
+    assert!(second.iter().all(|s| !s.has_painted_white
+        || s.content.name() != "gradients"
+        || s.content.to_string().contains("paint=white")));
+    assert!(second.iter().all(|s| s.glints.is_some() == glinting.contains(s)));
     assert!(glinting.iter().all(|s| s.content.name() == "dead-leaves" && !s.has_warm_light));
     let mut seeds: Vec<_> = glinting.iter().map(|s| s.glints).collect();
     seeds.dedup();
-    assert_eq!(seeds.len(), 6);
+    assert_eq!(seeds.len(), 4);
     let build = |scene: &TrainingScene| scene.build(&camera, &reflectances, &NoStoredScenes).unwrap();
-    let (with, without) = (build(glinting[0]), build(&TrainingScene { glints: None, ..glinting[0].clone() }));
+    let (with, without) =
+        (build(&glinting[0]), build(&TrainingScene { glints: None, ..glinting[0].clone() }));
     let [brighter, before] = [&with, &without].map(|s| s.luminance_cd_m2().unwrap());
     let more = brighter.iter().zip(&before).filter(|(a, b)| a > b).count() as f64 / before.len() as f64;
     assert!((0.019..0.021).contains(&more), "{more}");
     for scene in &shared[..2] {
         let built = |has_warm_light| {
-            let scene = TrainingScene { has_warm_light, glints: None, ..scene.clone() };
+            let scene = TrainingScene { has_warm_light, ..scene.clone() };
             scene.build(&camera, &reflectances, &NoStoredScenes).unwrap()
         };
         let (local, whole) = (built(scene.has_warm_light), built(false));
@@ -221,6 +234,8 @@ fn greys_of_the_second_stage_are_painted() {
     }
     assert_eq!(greys, 16);
     assert_eq!(reflectances.of(Surfaces::Paints).len(), 64 + 8);
+    let both = reflectances.of(Surfaces::NaturalAndPaints);
+    assert_eq!(both, [painted, &reflectances.of(Surfaces::Paints)[..64]].concat());
 }
 
 /// A scene in a few pixels: the logarithm of its luminance on 96 × 96 of them, of mean 0 and length 1. The same for a scene in any

@@ -320,6 +320,24 @@ fn glints_have_the_colour_of_the_light_and_a_pareto_distribution() {
     }
 }
 
+/// A coat takes its share of every wavelength, and leaves the illuminant as it is.
+#[test]
+fn a_coat_multiplies_what_a_scene_reflects() {
+    let scene = macbeth::chart(2, &Setting::default()).unwrap();
+    let coat = Spectrum::from_fn(scene.radiance().grid(), |nm| if nm < 450.0 { 0.25 } else { 0.5 }).unwrap();
+    let coated = scene.clone().coated(&coat).unwrap();
+    assert_eq!(coated.illuminant(), scene.illuminant());
+    for (band, &share) in coat.values().iter().enumerate() {
+        let [before, after] = [&scene, &coated].map(|s| s.radiance().planes().plane(band).unwrap());
+        // Powers of two, so that nothing is rounded.
+        assert!(before.iter().zip(after).all(|(b, a)| f64::from(*a) == f64::from(*b) * share));
+    }
+    let of = |value: f64, grid| Spectrum::constant(grid, value).unwrap();
+    let grid = scene.radiance().grid();
+    assert!(scene.clone().coated(&of(-0.1, grid)).is_err());
+    assert!(scene.coated(&of(0.5, WavelengthGrid::new(400.0, 5.0, 61).unwrap())).is_err());
+}
+
 #[test]
 fn what_was_not_lit_cannot_be_relit() {
     let power = Spectrum::from_fn(GRID, |nm| if nm < 450.0 { 0.0 } else { 1.0 }).unwrap();
