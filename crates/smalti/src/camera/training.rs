@@ -28,7 +28,7 @@ pub(crate) const HIGHEST_CUT: f64 = 0.85;
 const REFINEMENT_LEVELS: usize = 12;
 
 /// A scene in training.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct TrainingItem {
     /// Identifies the scene, so that every scene has its own noise.
     number: u64,

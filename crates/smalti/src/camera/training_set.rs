@@ -61,7 +61,7 @@ pub struct TrainingScene {
     pub light: Illuminant,
     /// Whether it has warm local light: see [`TrainingScene::build`].
     pub has_warm_light: bool,
-    /// Whether its whites are those of paint: see [`TrainingScene::build`].
+    /// Whether its radiance is multiplied by the reflectance of white paint: see [`TrainingScene::build`].
     pub has_painted_white: bool,
     /// The seed of its glints, if it has any: see [`TrainingScene::build`].
     pub glints: Option<u64>,
@@ -74,7 +74,7 @@ pub enum Surfaces {
     Natural,
     /// The same, with greys of white paint, which absorb violet light.
     NaturalAndPaintedGreys,
-    /// The latter and [paints](reflectance::paints).
+    /// The same and [paints](reflectance::paints).
     NaturalAndPaints,
     /// [Paints](reflectance::paints) and such greys.
     Paints,
@@ -206,19 +206,15 @@ pub fn training_scenes(lights: &[Illuminant], stored: &dyn StoredTrainingScenes)
     let lights = if lights.is_empty() { &[DEFAULT_TRAINING_LIGHT][..] } else { lights };
     // Every illuminant occurs with every scale of leaves.
     let light = |i: usize| lights[(i + i / 4) % lights.len()].clone();
-    let scene = |(i, content)| {
-        let light = light(i);
-        TrainingScene::plain(content, Surfaces::Natural, light)
-    };
+    let scene = |(i, content)| TrainingScene::plain(content, Surfaces::Natural, light(i));
     contents.enumerate().map(scene).collect()
 }
 
-/// The default training set of the second stage: the [`training_scenes`] with painted greys instead of even ones, of which every second
-/// scene of leaves and patches has warm local light, four further scenes of leaves with glints, and one scene of leaves and two of patches
-/// with the colours of paints, two of these in warm local light as well.
-///
-/// Photographs show painted and printed things, whose whites absorb violet light. Leaves in warm light and all patches therefore have
-/// paints among their surfaces, and one of every kind of scene with white paper or even greys has the white of paint.
+/// The default training set of the second stage: the [`training_scenes`] with painted greys instead of even ones, and seven further
+/// scenes. Four of these are leaves with glints; one of leaves and two of patches have the colours of paints. Among the
+/// [`training_scenes`], every second scene of leaves and patches has warm local light, as have two of the scenes of paints. Leaves in warm
+/// light and all patches also have paints among their surfaces. One scene of white paper, one of glossy balls, the star and the grey ramp
+/// have the white of paint, because the whites of paint and print, of which photographs are full, absorb violet light.
 ///
 /// What [`training_scenes`] leaves out for the tests, it leaves out as well.
 #[must_use]
@@ -236,17 +232,16 @@ pub fn refinement_scenes(lights: &[Illuminant], stored: &dyn StoredTrainingScene
         let white = whites.iter().position(|part| spec.contains(part));
         scene.has_painted_white = white.map(|i| whites.remove(i)).is_some();
     }
-    let mut lights = all.iter().map(|s| s.light.clone()).collect::<Vec<_>>().into_iter();
-    let mut further = |spec: &str, surfaces| {
+    let glinting = (0..)
+        .zip(GLINTING_SCENES)
+        .map(|(seed, spec)| (spec, Surfaces::NaturalAndPaintedGreys, false, Some(seed)));
+    let painted = PAINTED_SCENES
+        .into_iter()
+        .map(|(spec, has_warm_light)| (spec, Surfaces::Paints, has_warm_light, None));
+    let lights: Vec<Illuminant> = all.iter().map(|s| s.light.clone()).collect();
+    for ((spec, surfaces, has_warm_light, glints), light) in glinting.chain(painted).zip(lights) {
         let content = TrainingContent::Catalog(format!("{spec}&rows={n}&cols={n}"));
-        TrainingScene::plain(content, surfaces, lights.next().unwrap_or(DEFAULT_TRAINING_LIGHT))
-    };
-    for (seed, spec) in (0..).zip(GLINTING_SCENES) {
-        let scene = further(spec, Surfaces::NaturalAndPaintedGreys);
-        all.push(TrainingScene { glints: Some(seed), ..scene });
-    }
-    for (spec, has_warm_light) in PAINTED_SCENES {
-        all.push(TrainingScene { has_warm_light, ..further(spec, Surfaces::Paints) });
+        all.push(TrainingScene { has_warm_light, glints, ..TrainingScene::plain(content, surfaces, light) });
     }
     all
 }
@@ -260,10 +255,10 @@ impl fmt::Display for TrainingContent {
     }
 }
 
-/// How many times the pairs of a stored scene count for the second stage of pipelines. The seven natural scenes then count a little more
-/// than all others, whose uniform areas would teach it to take faint natural texture for noise.
+/// How many times the pairs of a stored scene count for the second stage of pipelines. The seven natural scenes then have 45 % of the
+/// weight. With less, the uniform areas of the others would teach it to take faint natural texture for noise.
 const STORED_TIMES: u32 = 4;
-/// The same for scenes with glints, which are rare and of which few pixels show one.
+/// How many times the pairs of a scene with glints count for the second stage. Such scenes are few, and few of their pixels show a glint.
 const GLINTING_TIMES: u32 = 2;
 
 impl TrainingContent {
@@ -310,8 +305,8 @@ impl TrainingScene {
     /// scenes, the second stage of a pipeline would take everything bright and warm for one of the few surfaces of that colour that it
     /// has seen.
     ///
-    /// With a painted white, its surfaces reflect what they would under a coat of white paint, which absorbs violet light as its pigment,
-    /// titanium dioxide, does.
+    /// With a painted white, its radiance is multiplied by the reflectance of white paint, which absorbs violet light as its pigment,
+    /// titanium dioxide, does. White paper then is painted paper.
     ///
     /// [Glints] have the colour of the light, but a mosaic samples each in one or two of its channels. Without such scenes, the second
     /// stage would take the false colours that follow for those of surfaces.
@@ -340,7 +335,7 @@ impl TrainingScene {
         let px = scene.radiance().cols() / SAMPLES_PER_PX;
         let deg = camera.field_of_view_deg(px.max(1), setting.distance_m)?;
         let scene = scene.with_fov(deg)?;
-        let scene = if self.has_painted_white { scene.coated(white_paint)? } else { scene };
+        let scene = if self.has_painted_white { scene.multiplied_by(white_paint)? } else { scene };
         let scene = match self.glints {
             Some(seed) => scene.with_glints(&Glints { seed, ..GLINTS })?,
             None => scene,

@@ -17,8 +17,8 @@ use crate::spectrum::Illuminant;
 
 /// Trainings of later turns that keep the light of the scenes of a stage. Others image the scenes again.
 const KEEP_AT_MOST: u64 = 32;
-/// What such a training keeps: four planes in single precision of the 33 scenes of the second stage, of 256 × 256 pixels.
-const KEPT_BYTES: u64 = 33 * 256 * 256 * 4 * 4;
+/// What such a training keeps: four planes in single precision of the 37 scenes of the second stage, of 256 × 256 pixels.
+const KEPT_BYTES: u64 = 37 * 256 * 256 * 4 * 4;
 /// The share of the free memory that is kept at most.
 const KEPT_SHARE: u64 = 8;
 

@@ -143,12 +143,12 @@ impl Scene {
         self.multiplied(&factors, illuminant)
     }
 
-    /// The scene as if everything in it had a coat of this reflectance, such as that of the pigment of white paint: its radiance times the
-    /// reflectance. Lamps and highlights are dimmed as well; the [illuminant](Scene::illuminant) remains.
+    /// The scene with its radiance multiplied by a reflectance, wavelength by wavelength: white becomes a surface of this reflectance, and
+    /// every other colour is multiplied by it. Lamps and highlights are dimmed as well; the [illuminant](Scene::illuminant) remains.
     ///
     /// # Errors
     /// When the reflectance is on another grid, or negative or not finite somewhere.
-    pub fn coated(self, reflectance: &Spectrum) -> Result<Self, SceneError> {
+    pub fn multiplied_by(self, reflectance: &Spectrum) -> Result<Self, SceneError> {
         let grid = self.radiance.grid();
         if reflectance.grid() != grid {
             return Err(SpectrumError::GridMismatch { left: reflectance.grid(), right: grid }.into());

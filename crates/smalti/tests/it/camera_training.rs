@@ -147,8 +147,8 @@ fn the_default_set_meets_every_light() {
 }
 
 /// The second stage also learns from paints and from leaves with glints. Every second scene of leaves and patches has warm local light,
-/// which changes the colour of its pixels, but neither its luminance nor its white. One scene of each kind of white has that of paint. All
-/// other scenes are those of the first stage with other greys.
+/// which changes the colour of its pixels, but neither its luminance nor its white. Leaves in warm light and all patches have paints among
+/// their reflectances, and four scenes the white of paint. All others are those of the first stage with other greys.
 #[test]
 fn the_second_stage_has_paints_warm_local_light_and_glints() {
     let camera = camera("bayer");
@@ -190,6 +190,24 @@ fn the_second_stage_has_paints_warm_local_light_and_glints() {
     let [brighter, before] = [&with, &without].map(|s| s.luminance_cd_m2().unwrap());
     let more = brighter.iter().zip(&before).filter(|(a, b)| a > b).count() as f64 / before.len() as f64;
     assert!((0.019..0.021).contains(&more), "{more}");
+    let plain = TrainingScene { glints: None, ..glinting[0].clone() };
+    assert_ne!(glinting[0].item(0), plain.item(0), "glints count twice");
+    let paper = second.iter().find(|s| s.has_painted_white).unwrap();
+    let even = TrainingScene { has_painted_white: false, ..paper.clone() };
+    let [violet, green] =
+        [400.0, 550.0].map(|nm| camera.grid().wavelengths_nm().position(|w| w == nm).unwrap());
+    let mean = |scene: &Scene, band: usize| -> f64 {
+        scene.radiance().planes().plane(band).unwrap().iter().map(|&v| f64::from(v)).sum()
+    };
+    let (painted, even) = (build(paper), build(&even));
+    let passed = |band| mean(&painted, band) / mean(&even, band);
+    // 1 / (1 + exp(2/9)) of violet light.
+    assert!(
+        (passed(violet) - 0.4447).abs() < 1e-3 && passed(green) > 0.9999,
+        "{} {}",
+        passed(violet),
+        passed(green)
+    );
     for scene in &shared[..2] {
         let built = |has_warm_light| {
             let scene = TrainingScene { has_warm_light, ..scene.clone() };

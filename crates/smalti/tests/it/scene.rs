@@ -320,22 +320,23 @@ fn glints_have_the_colour_of_the_light_and_a_pareto_distribution() {
     }
 }
 
-/// A coat takes its share of every wavelength, and leaves the illuminant as it is.
+/// A reflectance takes its share of every wavelength, and leaves the illuminant as it is.
 #[test]
-fn a_coat_multiplies_what_a_scene_reflects() {
+fn a_reflectance_multiplies_the_radiance_of_a_scene() {
     let scene = macbeth::chart(2, &Setting::default()).unwrap();
-    let coat = Spectrum::from_fn(scene.radiance().grid(), |nm| if nm < 450.0 { 0.25 } else { 0.5 }).unwrap();
-    let coated = scene.clone().coated(&coat).unwrap();
-    assert_eq!(coated.illuminant(), scene.illuminant());
-    for (band, &share) in coat.values().iter().enumerate() {
-        let [before, after] = [&scene, &coated].map(|s| s.radiance().planes().plane(band).unwrap());
+    let factor =
+        Spectrum::from_fn(scene.radiance().grid(), |nm| if nm < 450.0 { 0.25 } else { 0.5 }).unwrap();
+    let product = scene.clone().multiplied_by(&factor).unwrap();
+    assert_eq!(product.illuminant(), scene.illuminant());
+    for (band, &share) in factor.values().iter().enumerate() {
+        let [before, after] = [&scene, &product].map(|s| s.radiance().planes().plane(band).unwrap());
         // Powers of two, so that nothing is rounded.
         assert!(before.iter().zip(after).all(|(b, a)| f64::from(*a) == f64::from(*b) * share));
     }
     let of = |value: f64, grid| Spectrum::constant(grid, value).unwrap();
     let grid = scene.radiance().grid();
-    assert!(scene.clone().coated(&of(-0.1, grid)).is_err());
-    assert!(scene.coated(&of(0.5, WavelengthGrid::new(400.0, 5.0, 61).unwrap())).is_err());
+    assert!(scene.clone().multiplied_by(&of(-0.1, grid)).is_err());
+    assert!(scene.multiplied_by(&of(0.5, WavelengthGrid::new(400.0, 5.0, 61).unwrap())).is_err());
 }
 
 #[test]
