@@ -232,17 +232,20 @@ pub fn refinement_scenes(lights: &[Illuminant], stored: &dyn StoredTrainingScene
         let white = whites.iter().position(|part| spec.contains(part));
         scene.has_painted_white = white.map(|i| whites.remove(i)).is_some();
     }
-    let glinting = (0..)
-        .zip(GLINTING_SCENES)
-        .map(|(seed, spec)| (spec, Surfaces::NaturalAndPaintedGreys, false, Some(seed)));
+    let further = |spec: &str, surfaces| {
+        let content = TrainingContent::Catalog(format!("{spec}&rows={n}&cols={n}"));
+        TrainingScene::plain(content, surfaces, DEFAULT_TRAINING_LIGHT)
+    };
+    let glinting = (0..).zip(GLINTING_SCENES).map(|(seed, spec)| TrainingScene {
+        glints: Some(seed),
+        ..further(spec, Surfaces::NaturalAndPaintedGreys)
+    });
     let painted = PAINTED_SCENES
         .into_iter()
-        .map(|(spec, has_warm_light)| (spec, Surfaces::Paints, has_warm_light, None));
+        .map(|(spec, has_warm_light)| TrainingScene { has_warm_light, ..further(spec, Surfaces::Paints) });
+    // They take the illuminants of the first scenes.
     let lights: Vec<Illuminant> = all.iter().map(|s| s.light.clone()).collect();
-    for ((spec, surfaces, has_warm_light, glints), light) in glinting.chain(painted).zip(lights) {
-        let content = TrainingContent::Catalog(format!("{spec}&rows={n}&cols={n}"));
-        all.push(TrainingScene { has_warm_light, glints, ..TrainingScene::plain(content, surfaces, light) });
-    }
+    all.extend(glinting.chain(painted).zip(lights).map(|(scene, light)| TrainingScene { light, ..scene }));
     all
 }
 
@@ -319,14 +322,13 @@ impl TrainingScene {
         reflectances: &SurfaceReflectances,
         stored: &dyn StoredTrainingScenes,
     ) -> Result<Scene, CameraError> {
-        let white_paint = &reflectances.white_paint;
-        let reflectances = reflectances.of(self.surfaces);
+        let surfaces = reflectances.of(self.surfaces);
         let grid = camera.grid();
         let setting = Setting { illuminant: self.light.clone(), grid, ..Setting::default() };
         let scene = match &self.content {
-            TrainingContent::Catalog(spec) => catalog::build(spec, &setting, reflectances)?,
+            TrainingContent::Catalog(spec) => catalog::build(spec, &setting, surfaces)?,
             TrainingContent::Stored(name) => {
-                let loaded = stored.load(name, grid, reflectances);
+                let loaded = stored.load(name, grid, surfaces);
                 let named = |reason| CameraError::StoredScene { name: (*name).into(), reason };
                 let lit = loaded.map_err(named)?.relit(&self.light)?;
                 lit.with_distance(setting.distance_m)?.with_mean_luminance(setting.luminance_cd_m2)?
@@ -335,7 +337,8 @@ impl TrainingScene {
         let px = scene.radiance().cols() / SAMPLES_PER_PX;
         let deg = camera.field_of_view_deg(px.max(1), setting.distance_m)?;
         let scene = scene.with_fov(deg)?;
-        let scene = if self.has_painted_white { scene.multiplied_by(white_paint)? } else { scene };
+        let scene =
+            if self.has_painted_white { scene.multiplied_by(&reflectances.white_paint)? } else { scene };
         let scene = match self.glints {
             Some(seed) => scene.with_glints(&Glints { seed, ..GLINTS })?,
             None => scene,

@@ -17,8 +17,8 @@ use crate::spectrum::Illuminant;
 
 /// Trainings of later turns that keep the light of the scenes of a stage. Others image the scenes again.
 const KEEP_AT_MOST: u64 = 32;
-/// What such a training keeps: four planes in single precision of the 37 scenes of the second stage, of 256 × 256 pixels.
-const KEPT_BYTES: u64 = 37 * 256 * 256 * 4 * 4;
+/// What such a training keeps of each scene of the second stage: four planes of 256 × 256 pixels in single precision.
+const KEPT_BYTES: u64 = 256 * 256 * 4 * 4;
 /// The share of the free memory that is kept at most.
 const KEPT_SHARE: u64 = 8;
 
@@ -101,7 +101,8 @@ pub(super) fn add_default_set<'a, L: Learner>(
             }
         }
     }
-    let fit = resources.memory_bytes.map_or(KEEP_AT_MOST, |bytes| bytes / KEPT_SHARE / KEPT_BYTES);
+    let bytes_each = KEPT_BYTES * default_scenes(&[], resources.training_scenes, true).len() as u64;
+    let fit = resources.memory_bytes.map_or(KEEP_AT_MOST, |bytes| bytes / KEPT_SHARE / bytes_each);
     let kept = if settings.has_own_images() { 0 } else { fit.min(KEEP_AT_MOST) };
     for training in later.into_iter().take(kept as usize) {
         if let Some(group) = groups.iter_mut().find(|g| g.first.shares_images_with(training.of)) {

@@ -3,9 +3,10 @@
 
 use rayon::prelude::*;
 
+use super::setting::require_reflectance;
 use super::{Scene, SceneError, Setting};
 use crate::numeric::Planes;
-use crate::spectrum::{Observer, SpectralCube, Spectrum, SpectrumError, WavelengthGrid};
+use crate::spectrum::{Observer, SpectralCube, Spectrum, WavelengthGrid};
 
 /// Maximum number of values (pixels times wavelengths) of a built-in scene: 4 GiB.
 pub const MAX_VALUES: usize = 1 << 30;
@@ -35,12 +36,7 @@ pub(super) fn check_size(rows: usize, cols: usize, grid: WavelengthGrid) -> Resu
 pub(super) fn count_reflectances(list: &[Spectrum], grid: WavelengthGrid) -> Result<u32, SceneError> {
     let count = u32::try_from(list.len()).ok().filter(|&n| n > 0);
     let count = count.ok_or(SceneError::Reflectances { got: list.len(), expected: "at least 1" })?;
-    for r in list {
-        if r.grid() != grid {
-            return Err(SpectrumError::GridMismatch { left: r.grid(), right: grid }.into());
-        }
-        r.check("a reflectance", |v| v >= 0.0, "reflectances are not negative")?;
-    }
+    list.iter().try_for_each(|r| require_reflectance(r, grid))?;
     Ok(count)
 }
 

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::SceneError;
 use super::glints::Glints;
-use super::setting::{require_distance, require_fov, require_luminance};
+use super::setting::{require_distance, require_fov, require_luminance, require_reflectance};
 use crate::numeric::{Planes, require};
 use crate::spectrum::{
     Extrapolation, Illuminant, Observer, SpectralCube, Spectrum, SpectrumError, WavelengthGrid,
@@ -149,11 +149,7 @@ impl Scene {
     /// # Errors
     /// When the reflectance is on another grid, or negative or not finite somewhere.
     pub fn multiplied_by(self, reflectance: &Spectrum) -> Result<Self, SceneError> {
-        let grid = self.radiance.grid();
-        if reflectance.grid() != grid {
-            return Err(SpectrumError::GridMismatch { left: reflectance.grid(), right: grid }.into());
-        }
-        reflectance.check("a reflectance", |v| v >= 0.0, "reflectances are not negative")?;
+        require_reflectance(reflectance, self.radiance.grid())?;
         let illuminant = self.illuminant.clone();
         self.multiplied(reflectance.values(), illuminant)
     }

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::SceneError;
 use crate::numeric::{OutOfRange, require};
-use crate::spectrum::{Illuminant, Spectrum, WavelengthGrid};
+use crate::spectrum::{Illuminant, Spectrum, SpectrumError, WavelengthGrid};
 
 /// Light, luminance, distance and size of a built-in scene.
 ///
@@ -58,6 +58,14 @@ pub(super) fn require_luminance(cd_m2: f64) -> Result<(), OutOfRange> {
 
 pub(super) fn require_distance(m: f64) -> Result<(), OutOfRange> {
     require((1e-6..=1e12).contains(&m), "distance_m", m, "1e-6 to 1e12")
+}
+
+/// A reflectance of a scene is on its grid and not negative.
+pub(super) fn require_reflectance(reflectance: &Spectrum, grid: WavelengthGrid) -> Result<(), SpectrumError> {
+    if reflectance.grid() != grid {
+        return Err(SpectrumError::GridMismatch { left: reflectance.grid(), right: grid });
+    }
+    reflectance.check("a reflectance", |v| v >= 0.0, "reflectances are not negative")
 }
 
 /// A flat scene of 170° is 23 times as wide as it is far, and a lens images it on 23 focal lengths. Towards 180° both are infinite.

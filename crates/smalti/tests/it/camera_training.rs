@@ -185,12 +185,11 @@ fn the_second_stage_has_paints_warm_local_light_and_glints() {
     seeds.dedup();
     assert_eq!(seeds.len(), 4);
     let build = |scene: &TrainingScene| scene.build(&camera, &reflectances, &NoStoredScenes).unwrap();
-    let (with, without) =
-        (build(&glinting[0]), build(&TrainingScene { glints: None, ..glinting[0].clone() }));
+    let plain = TrainingScene { glints: None, ..glinting[0].clone() };
+    let (with, without) = (build(&glinting[0]), build(&plain));
     let [brighter, before] = [&with, &without].map(|s| s.luminance_cd_m2().unwrap());
     let more = brighter.iter().zip(&before).filter(|(a, b)| a > b).count() as f64 / before.len() as f64;
     assert!((0.019..0.021).contains(&more), "{more}");
-    let plain = TrainingScene { glints: None, ..glinting[0].clone() };
     assert_ne!(glinting[0].item(0), plain.item(0), "glints count twice");
     let paper = second.iter().find(|s| s.has_painted_white).unwrap();
     let even = TrainingScene { has_painted_white: false, ..paper.clone() };
