@@ -5,6 +5,7 @@ use std::io::Read;
 use std::path::PathBuf;
 
 use flate2::read::ZlibDecoder;
+use rayon::prelude::*;
 use smalti::numeric::Planes;
 use smalti::spectrum::units::photons_per_joule;
 use smalti::spectrum::{SpectralCube, Spectrum, WavelengthGrid};
@@ -126,30 +127,28 @@ pub(super) fn decode(name: &str, bytes: &[u8]) -> Result<SpectralFile, IoError> 
     let path = file.path.as_path();
     let mut cube = Planes::zeros(rows, cols, bands);
     let area = rows * cols;
-    let data = cube.data_mut();
     let (logarithms, coefficients) = planes.split_at(area);
-    let mut tile = [[0.0; TILE]; 2];
-    for first in (0..area).step_by(TILE) {
-        let count = TILE.min(area - first);
-        let [level, shape] = &mut tile;
-        for (level, &logarithm) in level.iter_mut().zip(&logarithms[first..first + count]) {
-            let is_dark = logarithm == 0;
-            *level = if is_dark { 0.0 } else { floor * libm::exp(log_step * f64::from(logarithm)) };
-        }
-        for band in 0..bands {
+    let level = |&logarithm: &i32| match logarithm {
+        0 => 0.0,
+        logarithm => floor * libm::exp(log_step * f64::from(logarithm)),
+    };
+    let levels: Vec<f64> = logarithms.par_iter().map(level).collect();
+    let coefficients: Vec<f64> = coefficients.par_iter().map(|&c| step * f64::from(c)).collect();
+    cube.data_mut().par_chunks_mut(area).enumerate().for_each(|(band, plane)| {
+        let mut shape = [0.0; TILE];
+        for (out, first) in plane.chunks_mut(TILE).zip((0..).step_by(TILE)) {
             shape.fill(mean[band]);
-            for (plane, basis) in coefficients.chunks_exact(area).zip(basis.chunks_exact(bands)) {
+            for (coefficients, basis) in coefficients.chunks_exact(area).zip(basis.chunks_exact(bands)) {
                 let basis = basis[band];
-                for (shape, &coefficient) in shape.iter_mut().zip(&plane[first..first + count]) {
-                    *shape += step * f64::from(coefficient) * basis;
+                for (shape, coefficient) in shape.iter_mut().zip(&coefficients[first..]) {
+                    *shape += coefficient * basis;
                 }
             }
-            let out = &mut data[band * area + first..][..count];
-            for ((out, shape), level) in out.iter_mut().zip(&*shape).zip(&*level) {
+            for ((out, shape), level) in out.iter_mut().zip(&shape).zip(&levels[first..]) {
                 *out = if *level > 0.0 { (shape.max(0.0) * level) as f32 } else { 0.0 };
             }
         }
-    }
+    });
     Ok(SpectralFile {
         name: name.to_owned(),
         cube: SpectralCube::new(grid, cube).at(path)?,

@@ -9,6 +9,7 @@ use super::error::StageContext;
 use super::order::Order;
 use super::outcome::{Outcome, means};
 use super::progress::ensure_running;
+use super::store::{ImagesInMemory, Store};
 use super::verdict::{LIGHT_METRIC, QualityAtMoreLight, Scores, Verdict};
 use super::{
     ComparedPictures, ExperimentError, ExposurePlan, ExposurePolicy, Pipelines, Processing, Progress,
@@ -201,16 +202,21 @@ impl Scoring<'_> {
         Ok(row)
     }
 
-    /// The scores on the targets, for each contender and luminance. Contenders share the optical images of the targets through the store,
-    /// and so come one after another.
+    /// The scores on the targets, for each contender and luminance. Contenders share the optical images of the targets in a light, and so
+    /// come one after another.
     fn targets(&self) -> Result<Vec<Vec<TargetScores>>, ExperimentError> {
         let Self { contenders, settings, exposure, resources } = *self;
-        let of_contender = |contender: &Contender<'_>| {
-            let at = |light: usize| targets(contender, light, settings, exposure, resources);
-            let found = (0..settings.luminances_cd_m2.len()).map(at).collect::<Result<Vec<_>, _>>();
-            found.map_err(|e| exposure.explained(contender.label, e))
-        };
-        contenders.iter().map(of_contender).collect()
+        let mut found: Vec<Vec<TargetScores>> = contenders.iter().map(|_| Vec::new()).collect();
+        for light in 0..settings.luminances_cd_m2.len() {
+            let images = ImagesInMemory::new(resources.store);
+            let store: &dyn Store = if contenders.len() > 1 { &images } else { resources.store };
+            let shared = Resources { store, ..resources };
+            for (contender, found) in contenders.iter().zip(&mut found) {
+                let scored = targets(contender, light, settings, exposure, shared);
+                found.push(scored.map_err(|e| exposure.explained(contender.label, e))?);
+            }
+        }
+        Ok(found)
     }
 }
 

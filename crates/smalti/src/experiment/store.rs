@@ -1,5 +1,7 @@
 //! The cache of experiments, and the resources that they may use.
 
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
 use super::picture_figures::PictureFigures;
 use super::{Progress, Silent};
 use crate::camera::{CameraError, NoStoredScenes, StoredTrainingScenes};
@@ -52,6 +54,40 @@ pub struct NoStore;
 
 impl Store for NoStore {}
 
+/// A store that also keeps the optical images in memory, for several cameras that ask for the same ones in turn: another store may be
+/// slow, or keep nothing. It keeps nothing else.
+pub(super) struct ImagesInMemory<'a> {
+    store: &'a dyn Store,
+    images: Mutex<Vec<(String, OpticalImage)>>,
+}
+
+impl<'a> ImagesInMemory<'a> {
+    /// No image yet; others come from a store.
+    pub(super) fn new(store: &'a dyn Store) -> Self {
+        Self { store, images: Mutex::default() }
+    }
+
+    fn images(&self) -> MutexGuard<'_, Vec<(String, OpticalImage)>> {
+        // A list is whole between its operations, even where a thread that held it has failed.
+        self.images.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Store for ImagesInMemory<'_> {
+    fn optical_image(
+        &self,
+        key: &str,
+        make: &dyn Fn() -> Result<OpticalImage, CameraError>,
+    ) -> Result<OpticalImage, CameraError> {
+        if let Some((_, image)) = self.images().iter().find(|(known, _)| known == key) {
+            return Ok(image.clone());
+        }
+        let image = self.store.optical_image(key, make)?;
+        self.images().push((key.to_owned(), image.clone()));
+        Ok(image)
+    }
+}
+
 /// Resources that the caller provides for an experiment.
 #[derive(Clone, Copy)]
 pub struct Resources<'a> {
@@ -79,5 +115,28 @@ impl Default for Resources<'_> {
     /// No cache, no training scenes from files, no progress reports, no memory limit.
     fn default() -> Self {
         Self { store: &NoStore, training_scenes: &NoStoredScenes, progress: &Silent, memory_bytes: None }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::cell::Cell;
+
+    use super::*;
+    use crate::numeric::Planes;
+    use crate::spectrum::{SpectralCube, WavelengthGrid};
+
+    #[test]
+    fn images_in_memory_are_made_once() {
+        let made = Cell::new(0.0);
+        let make = || {
+            made.set(made.get() + 1.0);
+            let grid = WavelengthGrid::VISIBLE;
+            let planes = Planes::new(1, 1, grid.len(), vec![made.get(); grid.len()])?;
+            Ok(OpticalImage::new(SpectralCube::new(grid, planes)?, 1e-6)?)
+        };
+        let store = ImagesInMemory::new(&NoStore);
+        let sample = |key| store.optical_image(key, &make).unwrap().irradiance().planes().data()[0];
+        assert_eq!(["a", "b", "a", "b", "a"].map(sample), [1.0, 2.0, 1.0, 2.0, 1.0]);
     }
 }

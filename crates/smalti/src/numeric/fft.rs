@@ -326,9 +326,16 @@ impl RealFft2 {
 /// Writes the first `count` columns of `from` (rows `stride` apart) as rows of `len` values.
 fn transpose(from: &[Complex32], stride: usize, to: &mut [Complex32], len: usize, count: usize) {
     if count == TILE {
-        for (i, line) in from.chunks(stride).take(len).enumerate() {
-            for (t, &v) in line[..TILE].iter().enumerate() {
-                to[t * len + i] = v;
+        // Squares of whole cache lines, so that lines are read and written at once.
+        for first in (0..len).step_by(TILE) {
+            let mut square = [[Complex32::ZERO; TILE]; TILE];
+            let count = TILE.min(len - first);
+            for (row, line) in square.iter_mut().zip(from.chunks(stride).skip(first)).take(count) {
+                row.copy_from_slice(&line[..TILE]);
+            }
+            for (t, line) in to.chunks_exact_mut(len).enumerate() {
+                let line = &mut line[first..first + count];
+                line.iter_mut().zip(&square).for_each(|(to, row)| *to = row[t]);
             }
         }
     } else {

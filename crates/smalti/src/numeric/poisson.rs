@@ -100,15 +100,16 @@ fn inversion_lanes(words: [&[u32; LANES]; 2], means: &[f64; LANES], counts: &mut
         }
         for k in 1..=LARGEST {
             let inverse = 1.0 / f64::from(k);
-            let mut searching = 0.0;
+            // An integer, because a sum of floating-point numbers would have an order and make the loop scalar.
+            let mut searching = 0;
             for i in 0..GROUP {
-                let step = if u[i] >= cumulated[i] { 1.0 } else { 0.0 };
-                count[i] += step;
-                searching += step;
+                let is_beyond = u[i] >= cumulated[i];
+                count[i] += if is_beyond { 1.0 } else { 0.0 };
+                searching |= u64::from(is_beyond);
                 term[i] *= mean[i] * inverse;
                 cumulated[i] += term[i];
             }
-            if searching == 0.0 {
+            if searching == 0 {
                 break;
             }
         }

@@ -29,6 +29,7 @@ use super::cie1976::lab_from_xyz;
 use super::jakob_hanika2019::UpliftError;
 use super::sigmoid::{Fit, polynomial, position, sigmoid};
 use super::{ColorSpace, Image};
+use crate::numeric::simd::{Kernel, dispatch};
 use crate::numeric::{Planes, require};
 use crate::spectrum::{
     Extrapolation, Observer, SpectralCube, Spectrum, SpectrumError, WavelengthGrid, reflectance,
@@ -170,31 +171,8 @@ impl Repaint {
         (first, count): (usize, usize),
         work: &mut [Lanes],
     ) -> (Lanes, usize) {
-        let mut target = [[0.5; LANES]; 3];
-        let mut scale = [1.0; LANES];
-        let mut sum = vec![0.0f32; work.len()];
-        for l in 0..count {
-            let i = first + l;
-            let lab = [0, 1, 2].map(|c| picture.lab[c][i]);
-            let shares = segments.shares(i / picture.cols, i % picture.cols, lab);
-            sum.fill(0.0);
-            for (&segment, &weight) in shares.segments.iter().zip(&shares.weights).take(shares.count) {
-                if weight > 0.0 {
-                    sum.iter_mut().zip(&mixtures[segment]).for_each(|(s, m)| *s += weight * m);
-                }
-            }
-            let xyz = self.fit.xyz([0, 1, 2].map(|c| f64::from(picture.rgb[c][i])));
-            let luminance: f32 = sum.iter().zip(&self.wavelengths).map(|(s, w)| s * w.weights[1]).sum();
-            let largest = sum.iter().copied().fold(0.0, f32::max);
-            let factor = (xyz[1] as f32 / luminance).min(closure::LIGHTEST / largest);
-            for (lanes, s) in work.iter_mut().zip(&sum) {
-                lanes[l] = s * factor;
-            }
-            for c in 0..3 {
-                target[c][l] = xyz[c] as f32;
-            }
-            scale[l] = picture.scale[i];
-        }
+        let mixed = Mixed { repaint: self, picture, segments, mixtures, first, count, work };
+        let (target, scale) = dispatch(mixed);
         let base = work.to_vec();
         let error = close(&self.wavelengths, work, target);
         let far = (0..count)
@@ -246,6 +224,61 @@ impl Repaint {
             .collect();
         let lab = [0, 1, 2].map(|c| pixels.iter().map(|p| p[c]).collect());
         Picture { cols: image.cols(), rgb, lab, scale }
+    }
+}
+
+/// The mixtures of some adjacent pixels of a row, scaled to their luminance.
+struct Mixed<'a> {
+    repaint: &'a Repaint,
+    picture: &'a Picture,
+    segments: &'a Segments,
+    mixtures: &'a [Vec<f32>],
+    first: usize,
+    count: usize,
+    work: &'a mut [Lanes],
+}
+
+impl Kernel for Mixed<'_> {
+    /// X, Y, Z of the pixels, and the factors that bring back the values above 1.
+    type Output = ([Lanes; 3], Lanes);
+
+    #[inline(always)]
+    fn run(self) -> Self::Output {
+        let Self {
+            repaint: Repaint { fit, wavelengths, .. },
+            picture,
+            segments,
+            mixtures,
+            first,
+            count,
+            work,
+        } = self;
+        let mut target = [[0.5; LANES]; 3];
+        let mut scale = [1.0; LANES];
+        let mut sum = vec![0.0f32; work.len()];
+        for l in 0..count {
+            let i = first + l;
+            let lab = [0, 1, 2].map(|c| picture.lab[c][i]);
+            let shares = segments.shares(i / picture.cols, i % picture.cols, lab);
+            sum.fill(0.0);
+            for (&segment, &weight) in shares.segments.iter().zip(&shares.weights).take(shares.count) {
+                if weight > 0.0 {
+                    sum.iter_mut().zip(&mixtures[segment]).for_each(|(s, m)| *s += weight * m);
+                }
+            }
+            let xyz = fit.xyz([0, 1, 2].map(|c| f64::from(picture.rgb[c][i])));
+            let luminance: f32 = sum.iter().zip(wavelengths).map(|(s, w)| s * w.weights[1]).sum();
+            let largest = sum.iter().copied().fold(0.0, f32::max);
+            let factor = (xyz[1] as f32 / luminance).min(closure::LIGHTEST / largest);
+            for (lanes, s) in work.iter_mut().zip(&sum) {
+                lanes[l] = s * factor;
+            }
+            for c in 0..3 {
+                target[c][l] = xyz[c] as f32;
+            }
+            scale[l] = picture.scale[i];
+        }
+        (target, scale)
     }
 }
 

@@ -6,6 +6,8 @@
 
 use rayon::prelude::*;
 
+use crate::numeric::simd::{Kernel, dispatch};
+
 /// Side of a cell, in pixels.
 const SIDE: usize = 16;
 /// The difference of colour, ΔE*ab, that counts as much as the side of a cell.
@@ -21,6 +23,17 @@ const BAND: usize = 2;
 struct Centre {
     lab: [f32; 3],
     at: [f32; 2],
+}
+
+impl Centre {
+    /// The squared distance of a pixel, in sides.
+    #[inline(always)]
+    fn distance(&self, at: [f32; 2], lab: [f32; 3]) -> f32 {
+        let colour: f32 = lab.iter().zip(self.lab).map(|(a, b)| (a - b) * (a - b)).sum();
+        let (y, x) = (at[0] - self.at[0], at[1] - self.at[1]);
+        let scale = 1.0 / (SIDE * SIDE) as f32;
+        colour / (COMPACTNESS * COMPACTNESS) + (y * y + x * x) * scale
+    }
 }
 
 /// The segments of a picture.
@@ -81,15 +94,16 @@ impl Segments {
                 let first = (band * BAND).saturating_sub(1);
                 let last = (band * BAND + BAND + 1).min(self.cells[0]);
                 let mut sums = vec![Sums::default(); (last - first) * self.cells[1]];
+                let mut nearest = vec![0; self.cols];
                 for row in band * BAND * SIDE..self.rows.min((band + 1) * BAND * SIDE) {
-                    for col in 0..self.cols {
-                        let i = row * self.cols + col;
-                        let v = [0, 1, 2].map(|c| lab[c][i]);
-                        let (segment, _) = self.around(row, col, v).fold((0, f32::INFINITY), nearer);
-                        let sum = &mut sums[segment - first * self.cells[1]];
+                    let at = row * self.cols;
+                    let lab = lab.each_ref().map(|plane| &plane[at..at + self.cols]);
+                    dispatch(NearestInRow { segments: self, row, lab, out: &mut nearest });
+                    for (col, &segment) in nearest.iter().enumerate() {
+                        let sum = &mut sums[segment as usize - first * self.cells[1]];
                         for c in 0..3 {
-                            sum.lab[c] += f64::from(v[c]);
-                            sum.rgb[c] += rgb.map_or(0.0, |rgb| f64::from(rgb[c][i]));
+                            sum.lab[c] += f64::from(lab[c][col]);
+                            sum.rgb[c] += rgb.map_or(0.0, |rgb| f64::from(rgb[c][at + col]));
                         }
                         sum.at[0] += row as f64;
                         sum.at[1] += col as f64;
@@ -118,16 +132,17 @@ impl Segments {
     /// The segments around a pixel with its squared distances to them, in sides.
     #[inline(always)]
     fn around(&self, row: usize, col: usize, lab: [f32; 3]) -> impl Iterator<Item = (usize, f32)> {
+        let at = [row as f32, col as f32];
+        self.near(row, col).map(move |segment| (segment, self.centres[segment].distance(at, lab)))
+    }
+
+    /// The segments around a pixel, in order; those around all pixels of a cell are the same.
+    #[inline(always)]
+    fn near(&self, row: usize, col: usize) -> impl Iterator<Item = usize> {
         let near = |cell: usize, count: usize| cell.saturating_sub(1)..(cell + 2).min(count);
         let (down, across) = (near(row / SIDE, self.cells[0]), near(col / SIDE, self.cells[1]));
-        down.flat_map(move |r| across.clone().map(move |c| (r, c))).map(move |(r, c)| {
-            let segment = r * self.cells[1] + c;
-            let centre = &self.centres[segment];
-            let colour: f32 = lab.iter().zip(centre.lab).map(|(a, b)| (a - b) * (a - b)).sum();
-            let (y, x) = (row as f32 - centre.at[0], col as f32 - centre.at[1]);
-            let scale = 1.0 / (SIDE * SIDE) as f32;
-            (segment, colour / (COMPACTNESS * COMPACTNESS) + (y * y + x * x) * scale)
-        })
+        let cols = self.cells[1];
+        down.flat_map(move |r| across.clone().map(move |c| r * cols + c))
     }
 
     /// The shares of the segments in a pixel, which sum to 1. They change smoothly from pixel to pixel of one colour.
@@ -159,8 +174,40 @@ pub(super) struct Shares {
     pub(super) count: usize,
 }
 
-fn nearer(a: (usize, f32), b: (usize, f32)) -> (usize, f32) {
-    if b.1 < a.1 { b } else { a }
+/// The segment that is nearest to each pixel of a row.
+struct NearestInRow<'a> {
+    segments: &'a Segments,
+    row: usize,
+    lab: [&'a [f32]; 3],
+    out: &'a mut [u32],
+}
+
+impl Kernel for NearestInRow<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { segments, row, lab, out } = self;
+        for (cell, out) in out.chunks_mut(SIDE).enumerate() {
+            let first = cell * SIDE;
+            let mut colours = [[0.0f32; SIDE]; 3];
+            for (colour, plane) in colours.iter_mut().zip(lab) {
+                colour.iter_mut().zip(&plane[first..]).for_each(|(c, v)| *c = *v);
+            }
+            let (mut least, mut nearest) = ([f32::INFINITY; SIDE], [0u32; SIDE]);
+            for segment in segments.near(row, first) {
+                let centre = segments.centres[segment];
+                for i in 0..SIDE {
+                    let at = [row as f32, (first + i) as f32];
+                    let distance = centre.distance(at, [colours[0][i], colours[1][i], colours[2][i]]);
+                    let is_nearer = distance < least[i];
+                    least[i] = if is_nearer { distance } else { least[i] };
+                    nearest[i] = if is_nearer { segment as u32 } else { nearest[i] };
+                }
+            }
+            out.copy_from_slice(&nearest[..out.len()]);
+        }
+    }
 }
 
 #[cfg(test)]
@@ -245,7 +292,7 @@ mod tests {
             let (numbers, weights) = (&numbers[..count], &weights[..count]);
             assert!((weights.iter().sum::<f32>() - 1.0).abs() < 1e-6, "{row} {col}: {weights:?}");
             let distances: Vec<(usize, f32)> = segments.around(row, col, v).collect();
-            let (nearest, least) = distances.iter().copied().fold((0, f32::INFINITY), nearer);
+            let (nearest, least) = distances.iter().copied().min_by(|a, b| a.1.total_cmp(&b.1)).unwrap();
             let largest = weights.iter().copied().fold(0.0, f32::max);
             for ((number, weight), (other, distance)) in numbers.iter().zip(weights).zip(&distances) {
                 assert_eq!(number, other);
