@@ -3,6 +3,7 @@
 use super::diffraction::diffraction_limit;
 use super::olpf::BirefringentLowPass;
 use crate::numeric::fft::{Complex32, bin_frequency};
+use crate::numeric::simd::{Kernel, dispatch};
 
 /// The optical transfer function of a lens and its low-pass filter at one wavelength, 1 at frequency zero.
 /// Frequencies are in cycles per metre on the sensor: `fx` to the right, `fy` *down* the rows.
@@ -93,7 +94,11 @@ impl OtfOnGrid<'_> {
         let fy = |ky: usize| bin_frequency(ky, rows) / self.spacing_m;
         match &otf.lens {
             LensTransfer::Unity => {}
-            LensTransfer::Radial(table) => self.apply_radial(fx, table, column),
+            LensTransfer::Radial(table) => {
+                let x = (fx / otf.cutoff_cy_per_m) as f32;
+                let step = (1.0 / (rows as f64 * self.spacing_m * otf.cutoff_cy_per_m)) as f32;
+                dispatch(RadialColumn { table, x, step, column });
+            }
             LensTransfer::Pupil { mean_phase, limit } => {
                 let mean_phase = mean_phase.at_column(fx);
                 for (ky, v) in column.iter_mut().enumerate() {
@@ -117,26 +122,64 @@ impl OtfOnGrid<'_> {
             }
         }
     }
+}
+
+/// A rotationally symmetric function on a column of the spectrum, which it multiplies.
+struct RadialColumn<'a> {
+    table: &'a [f32],
+    /// Horizontal frequency, and the step of the vertical one, relative to the cut-off.
+    x: f32,
+    step: f32,
+    column: &'a mut [Complex32],
+}
+
+impl Kernel for RadialColumn<'_> {
+    type Output = ();
 
     /// Positive and negative frequencies have the same value: one look-up serves two samples.
-    fn apply_radial(&self, fx: f64, table: &[f32], column: &mut [Complex32]) {
+    #[inline(always)]
+    fn run(self) {
+        const BLOCK: usize = 16;
+        let Self { table, x, step, column } = self;
         let rows = column.len();
-        let x = (fx / self.otf.cutoff_cy_per_m) as f32;
-        let step = (1.0 / (rows as f64 * self.spacing_m * self.otf.cutoff_cy_per_m)) as f32;
-        for ky in 0..=rows / 2 {
-            let y = ky as f32 * step;
-            let nu = (x * x + y * y).sqrt();
-            if nu >= 1.0 {
-                column[ky..=rows - ky.max(1)].fill(Complex32::ZERO);
-                return;
+        for first in (0..=rows / 2).step_by(BLOCK) {
+            let mut nu = [0.0f32; BLOCK];
+            for (i, nu) in nu.iter_mut().enumerate() {
+                let y = (first + i) as f32 * step;
+                *nu = (x * x + y * y).sqrt();
             }
-            let h = lookup(table, nu);
-            column[ky] *= h;
-            if ky > 0 && rows - ky != ky {
-                column[rows - ky] *= h;
+            let factors = lookup_all(table, &nu);
+            for (ky, (nu, h)) in (first..=rows / 2).zip(nu.into_iter().zip(factors)) {
+                if nu >= 1.0 {
+                    column[ky..=rows - ky.max(1)].fill(Complex32::ZERO);
+                    return;
+                }
+                column[ky] *= h;
+                if ky > 0 && rows - ky != ky {
+                    column[rows - ky] *= h;
+                }
             }
         }
     }
+}
+
+/// [`lookup`] at several places.
+#[inline(always)]
+fn lookup_all<const N: usize>(table: &[f32], nu: &[f32; N]) -> [f32; N] {
+    let last = (table.len() - 1) as f32;
+    let at = nu.map(|nu| nu * last);
+    let place = at.map(|at| at as i32);
+    let (mut below, mut above) = ([0.0; N], [0.0; N]);
+    for i in 0..N {
+        if let Some(&[a, b]) = table.get(place[i] as usize..place[i] as usize + 2) {
+            (below[i], above[i]) = (a, b);
+        }
+    }
+    let mut found = [0.0; N];
+    for i in 0..N {
+        found[i] = below[i] + (at[i] - place[i] as f32) * (above[i] - below[i]);
+    }
+    found
 }
 
 /// A table over 0 to 1 at `nu`, by linear interpolation; 0 from 1 on.

@@ -6,6 +6,7 @@ use rayon::prelude::*;
 use super::setting::require_reflectance;
 use super::{Scene, SceneError, Setting};
 use crate::numeric::Planes;
+use crate::numeric::simd::{Kernel, dispatch};
 use crate::spectrum::{Observer, SpectralCube, Spectrum, WavelengthGrid};
 
 /// Maximum number of values (pixels times wavelengths) of a built-in scene: 4 GiB.
@@ -81,15 +82,61 @@ pub(super) fn fragments(
         .collect();
     let mean = sums.iter().sum::<f64>() / (rows.len() * cols).max(1) as f64;
     let scale = scale_of(setting, mean)?;
-    let by_band: Vec<Vec<f32>> = (0..setting.grid.len())
-        .map(|band| radiance.iter().map(|s| (s.values()[band] * scale) as f32).collect())
-        .collect();
-    fill(name, rows.len(), cols, light.scaled(scale)?, setting, |row, band, out| {
-        let spectra = &by_band[band];
-        for f in &rows[row] {
-            out[f.col as usize] += f.weight * spectra[f.spectrum as usize];
+    let light = light.scaled(scale)?;
+    let mut planes = checked_planes(rows.len(), cols, setting)?;
+    let bands: Vec<&mut [f32]> = planes.data_mut().chunks_mut((rows.len() * cols).max(1)).collect();
+    let blocks = bands.len().div_ceil(LANES);
+    let spectra = |block: usize| -> Vec<Lanes> {
+        let lane =
+            |s: &Spectrum, l: usize| s.values().get(block * LANES + l).map_or(0.0, |v| (v * scale) as f32);
+        radiance.iter().map(|s| std::array::from_fn(|l| lane(s, l))).collect()
+    };
+    let spectra: Vec<Vec<Lanes>> = (0..blocks).map(spectra).collect();
+    // Each task writes one row of every plane.
+    let mut tasks: Vec<Vec<&mut [f32]>> = rows.iter().map(|_| Vec::with_capacity(bands.len())).collect();
+    for plane in bands {
+        tasks.iter_mut().zip(plane.chunks_mut(cols.max(1))).for_each(|(task, row)| task.push(row));
+    }
+    tasks.into_par_iter().zip(rows).for_each_init(Vec::new, |sums, (mut bands, fragments)| {
+        for (bands, spectra) in bands.chunks_mut(LANES).zip(&spectra) {
+            sums.clear();
+            sums.resize(cols, [0.0; LANES]);
+            dispatch(FragmentRow { fragments, spectra, sums, bands });
         }
-    })
+    });
+    into_scene(name, planes, light, setting)
+}
+
+/// Wavelengths that are summed at once.
+const LANES: usize = 16;
+type Lanes = [f32; LANES];
+
+/// A row of fragments at some wavelengths.
+struct FragmentRow<'a, 'b> {
+    fragments: &'a [Fragment],
+    spectra: &'a [Lanes],
+    /// For each pixel; zero before.
+    sums: &'a mut [Lanes],
+    /// The row of the plane of each wavelength.
+    bands: &'a mut [&'b mut [f32]],
+}
+
+impl Kernel for FragmentRow<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { fragments, spectra, sums, bands } = self;
+        for f in fragments {
+            let (sum, spectrum) = (&mut sums[f.col as usize], &spectra[f.spectrum as usize]);
+            for (sum, value) in sum.iter_mut().zip(spectrum) {
+                *sum += f.weight * value;
+            }
+        }
+        for (l, band) in bands.iter_mut().enumerate() {
+            band.iter_mut().zip(sums.iter()).for_each(|(out, sum)| *out = sum[l]);
+        }
+    }
 }
 
 /// Reflectances times an illuminant.
@@ -120,10 +167,19 @@ fn fill(
     setting: &Setting,
     paint: impl Fn(usize, usize, &mut [f32]) + Sync,
 ) -> Result<Scene, SceneError> {
+    let mut planes = checked_planes(rows, cols, setting)?;
+    planes.data_mut().par_chunks_mut(cols).enumerate().for_each(|(i, out)| paint(i % rows, i / rows, out));
+    into_scene(name, planes, light, setting)
+}
+
+/// Dark planes for the wavelengths of a setting.
+fn checked_planes(rows: usize, cols: usize, setting: &Setting) -> Result<Planes, SceneError> {
     setting.check()?;
     check_size(rows, cols, setting.grid)?;
-    let mut planes = Planes::zeros(rows, cols, setting.grid.len());
-    planes.data_mut().par_chunks_mut(cols).enumerate().for_each(|(i, out)| paint(i % rows, i / rows, out));
+    Ok(Planes::zeros(rows, cols, setting.grid.len()))
+}
+
+fn into_scene(name: &str, planes: Planes, light: Spectrum, setting: &Setting) -> Result<Scene, SceneError> {
     let radiance = SpectralCube::new(setting.grid, planes)?;
     Scene::new(name, radiance, light, setting.distance_m, setting.horizontal_fov_deg)
 }

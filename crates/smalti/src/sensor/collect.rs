@@ -80,14 +80,11 @@ impl<'a> Collector<'a> {
         Ok(collector)
     }
 
-    /// [`Collector::new`] for several sensors, in groups of `N`. Those that see the same part of the image share one
-    /// pass of it, which takes longer than the products.
-    pub(super) fn of_all<const N: usize>(
-        sensors: &[[&'a Sensor; N]],
-        image: &OpticalImage,
-    ) -> Result<Vec<[Self; N]>, SensorError> {
-        let mut all: Vec<[Self; N]> = sensors.iter().map(|s| s.map(|s| Self::dark(s, image))).collect();
-        let mut left: Vec<&mut Self> = all.iter_mut().flatten().collect();
+    /// [`Collector::new`] for several sensors. Those that see the same part of the image share one pass of it, which takes longer than the
+    /// products.
+    pub(super) fn of_all(sensors: &[&'a Sensor], image: &OpticalImage) -> Result<Vec<Self>, SensorError> {
+        let mut all: Vec<Self> = sensors.iter().map(|s| Self::dark(s, image)).collect();
+        let mut left: Vec<&mut Self> = all.iter_mut().collect();
         while !left.is_empty() {
             let first = left.swap_remove(0);
             let (mut alike, others): (Vec<_>, Vec<_>) = left

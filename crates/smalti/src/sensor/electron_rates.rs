@@ -65,14 +65,24 @@ impl ElectronRates {
         image: &OpticalImage,
     ) -> Result<Vec<[Self; N]>, SensorError> {
         sensors.iter().flatten().try_for_each(|sensor| sensor.validate())?;
-        let fine: Vec<[Cow<'_, Sensor>; N]> = sensors.iter().map(|s| s.map(Sensor::unbinned)).collect();
-        let fine: Vec<[&Sensor; N]> = fine.iter().map(|s| s.each_ref().map(|s| &**s)).collect();
+        // Equal sensors have equal rates, such as those of one target behind several mosaics.
+        let mut distinct: Vec<&Sensor> = Vec::new();
+        let mut place = |sensor| {
+            distinct.iter().position(|known| *known == sensor).unwrap_or_else(|| {
+                distinct.push(sensor);
+                distinct.len() - 1
+            })
+        };
+        let places: Vec<[usize; N]> = sensors.iter().map(|s| s.map(&mut place)).collect();
+        let fine: Vec<Cow<'_, Sensor>> = distinct.into_iter().map(Sensor::unbinned).collect();
+        let fine: Vec<&Sensor> = fine.iter().map(|s| &**s).collect();
         let rates = |c: &Collector<'_>| Self {
             window: c.sensor.read_window(),
             per_s: c.sensor.electrons_from(c, 1.0),
             pattern: None,
         };
-        Ok(Collector::of_all(&fine, image)?.iter().map(|c| c.each_ref().map(rates)).collect())
+        let rates: Vec<Self> = Collector::of_all(&fine, image)?.iter().map(rates).collect();
+        Ok(places.into_iter().map(|places| places.map(|place| rates[place].clone())).collect())
     }
 
     /// The same rates with the random numbers behind the fixed pattern of a sensor, which captures of these rates by this sensor then need
