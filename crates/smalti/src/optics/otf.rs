@@ -292,7 +292,7 @@ mod tests {
         ];
         let low_pass = BirefringentLowPass { horizontal_separation_m: 0.7, vertical_separation_m: 1.1 };
         for lens in lenses {
-            for (rows, cols) in [(24, 20), (15, 9), (1, 1), (2, 2)] {
+            for (rows, cols) in [(24, 20), (15, 9), (1, 1), (2, 2), (80, 12), (71, 12)] {
                 let otf = Otf::new(0.37, lens.clone(), Some(low_pass));
                 let grid = otf.on_grid(rows, cols, 1.0);
                 for kx in 0..grid.passing().min(cols / 2 + 1) {

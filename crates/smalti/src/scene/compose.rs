@@ -183,3 +183,43 @@ fn into_scene(name: &str, planes: Planes, light: Spectrum, setting: &Setting) ->
     let radiance = SpectralCube::new(setting.grid, planes)?;
     Scene::new(name, radiance, light, setting.distance_m, setting.horizontal_fov_deg)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// With as many wavelengths as a register has lanes, one fewer, one more, and twice as many.
+    #[test]
+    fn pixels_are_the_weighted_sums_of_their_fragments() {
+        const COLS: usize = 7;
+        for count in [15, 16, 17, 32] {
+            let grid = WavelengthGrid::new(500.0, 2.0, count).unwrap();
+            let spectrum = |s: usize| {
+                let value = |i: usize| 0.1 + ((i * 7 + s * 5) % 11) as f64;
+                Spectrum::new(grid, (0..count).map(value).collect()).unwrap()
+            };
+            let spectra = [0, 1, 2].map(spectrum);
+            let fragment = |i: usize| Fragment {
+                col: (i % COLS) as u32,
+                spectrum: (i % 3) as u32,
+                weight: 0.25 * (1 + i % 5) as f32,
+            };
+            // The last row has no fragment: it is black.
+            let rows = [(0..COLS).map(fragment).collect(), (2..19).map(fragment).collect(), Vec::new()];
+            let setting = Setting { grid, ..Setting::default() };
+            let scene = fragments("test", COLS, &rows, &spectra, &spectra[0], &setting).unwrap();
+            let scale = scene.illuminant().values()[0] / spectra[0].values()[0];
+            for (band, plane) in scene.radiance().planes().planes().enumerate() {
+                for (i, value) in plane.iter().enumerate() {
+                    let own = rows[i / COLS].iter().filter(|f| f.col as usize == i % COLS);
+                    let of = |f: &Fragment| f64::from(f.weight) * spectra[f.spectrum as usize].values()[band];
+                    let sum = own.map(of).sum::<f64>() * scale;
+                    assert!(
+                        (f64::from(*value) - sum).abs() <= 1e-6 * sum,
+                        "{count} {band} {i}: {value} {sum}"
+                    );
+                }
+            }
+        }
+    }
+}

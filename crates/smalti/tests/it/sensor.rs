@@ -333,7 +333,7 @@ fn a_fixed_pattern_that_was_drawn_before_changes_no_bit() {
     }
 }
 
-/// Sensors of one image, with unlike mosaics, windows, binning and sizes, have the bits that each has alone, for any number of threads. The width
+/// Sensors of one image, with unlike mosaics, windows, binning and sizes, some of them equal, have the bits that each has alone, for any number of threads. The width
 /// is no multiple of the columns that are summed at once.
 #[test]
 fn rates_of_many_sensors_are_those_of_each() {
@@ -347,7 +347,12 @@ fn rates_of_many_sensors_are_those_of_each() {
     binned.binning = Some(Binning { side: 2, mode: BinningMode::Charge });
     let mut prism = noisy_sensor(64, 230);
     prism.architecture = ColorArchitecture::Prism;
-    let all = [[&sensor(64, 230), &mono_sensor], [&windowed, &prism], [&binned, &sensor(20, 30)]];
+    let all = [
+        [&sensor(64, 230), &mono_sensor],
+        [&windowed, &prism],
+        [&binned, &sensor(20, 30)],
+        [&prism.clone(), &sensor(64, 230)],
+    ];
     let pool = |n| rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap();
     for threads in [1, 3] {
         let together = pool(threads).install(|| ElectronRates::of_all(&all, &image)).unwrap();
