@@ -9,12 +9,16 @@
 // Loops over several arrays become vector code only when they are indexed.
 #![allow(clippy::needless_range_loop)]
 
+use std::ops::Range;
+
 use super::elementary::{exp_f64, ln_f64};
 use super::philox::philox4x32;
 
 /// Lanes of a block.
 pub const LANES: usize = 128;
 
+/// Lanes that are skipped together where none of them takes a method.
+const GROUP: usize = 16;
 /// Inversion applies below this mean; PTRS is defined from 10 on.
 const PTRS_FROM: f64 = 10.0;
 /// Means are clamped to this value: above it a count is no longer exact in `f64`.
@@ -79,13 +83,21 @@ pub fn poisson_lanes(counter: &LaneCounter, words: [&[u32; LANES]; 2], means: &m
     *means = counts;
 }
 
+/// Whether a condition holds for a mean of some lanes.
+#[inline(always)]
+fn any(means: &[f64; LANES], lanes: Range<usize>, condition: impl Fn(f64) -> bool) -> bool {
+    means[lanes].iter().fold(0u64, |found, mean| found | u64::from(condition(*mean))) != 0
+}
+
 /// Inversion by sequential search, for lanes whose mean is below [`PTRS_FROM`].
 #[inline(always)]
 fn inversion_lanes(words: [&[u32; LANES]; 2], means: &[f64; LANES], counts: &mut [f64; LANES]) {
-    const GROUP: usize = 16;
     // P(K > 120) for a mean of 10 is 1e-84, far below the 2^-53 of the uniform.
     const LARGEST: u32 = 120;
     for base in (0..LANES).step_by(GROUP) {
+        if !any(means, base..base + GROUP, |mean| mean < PTRS_FROM) {
+            continue;
+        }
         let (mut u, mut term, mut cumulated, mut count) =
             ([0.0; GROUP], [0.0; GROUP], [0.0; GROUP], [0.0f64; GROUP]);
         let mut mean = [0.0f64; GROUP];
@@ -148,21 +160,30 @@ fn ptrs_lanes(
     means: &[f64; LANES],
     counts: &mut [f64; LANES],
 ) {
+    let mut accepted = [1u8; LANES];
+    for base in (0..LANES).step_by(GROUP) {
+        if !any(means, base..base + GROUP, |mean| mean >= PTRS_FROM) {
+            continue;
+        }
+        for i in base..base + GROUP {
+            let t = Candidate::new(means[i].max(PTRS_FROM), words[0][i], words[1][i]);
+            counts[i] = t.k;
+            accepted[i] = u8::from(t.quick | (means[i] < PTRS_FROM));
+        }
+    }
     let mut open = Candidates { lane: [0; LANES], mean: [PTRS_FROM; LANES], u: [0; LANES], v: [0; LANES] };
-    let mut accepted = [0u8; LANES];
-    for i in 0..LANES {
-        let t = Candidate::new(means[i].max(PTRS_FROM), words[0][i], words[1][i]);
-        counts[i] = t.k;
-        accepted[i] = u8::from(t.quick | (means[i] < PTRS_FROM));
-    }
     let mut n = 0;
-    for i in 0..LANES {
-        open.lane[n] = i as u32;
-        n += usize::from(accepted[i] == 0);
-    }
-    for j in 0..n {
-        let i = open.lane[j] as usize % LANES;
-        (open.mean[j], open.u[j], open.v[j]) = (means[i], words[0][i], words[1][i]);
+    for (eight, accepted) in accepted.as_chunks::<8>().0.iter().enumerate() {
+        // The lowest bit of each byte whose lane is undecided.
+        let mut undecided = !u64::from_le_bytes(*accepted) & 0x0101_0101_0101_0101;
+        while undecided != 0 {
+            let i = (8 * eight + undecided.trailing_zeros() as usize / 8) % LANES;
+            let j = n % LANES;
+            (open.lane[j], open.mean[j], open.u[j], open.v[j]) =
+                (i as u32, means[i], words[0][i], words[1][i]);
+            undecided &= undecided - 1;
+            n += 1;
+        }
     }
     let mut attempt = 0;
     loop {
@@ -224,23 +245,27 @@ impl Candidates {
     /// and returns their number.
     #[inline(always)]
     fn full_test(&mut self, n: usize, counts: &mut [f64; LANES]) -> usize {
-        let mut k = [0.0; LANES];
-        let mut ln_factorial = [0.0; LANES];
-        let mut accepted = [0u8; LANES];
+        let (mut k, mut hat, mut ln_factorial) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
+        let mut place = [0i32; LANES];
+        let (mut possible, mut accepted) = ([0u8; LANES], [0u8; LANES]);
         let padded = n.next_multiple_of(8).min(LANES);
         for j in 0..padded {
-            k[j] = Candidate::new(self.mean[j].max(PTRS_FROM), self.u[j], self.v[j]).k;
+            let t = Candidate::new(self.mean[j].max(PTRS_FROM), self.u[j], self.v[j]);
+            k[j] = t.k;
+            place[j] = t.k.clamp(0.0, 15.0) as i32;
+            hat[j] = t.v * t.inverse_alpha / (t.a / (t.us * t.us) + t.b);
+            possible[j] = u8::from((t.k >= 0.0) & !((t.us < 0.013) & (t.v > t.us)));
+            accepted[j] = u8::from(t.quick);
         }
         for j in 0..padded {
-            ln_factorial[j] = LN_FACTORIAL[k[j].clamp(0.0, 15.0) as usize];
+            ln_factorial[j] = LN_FACTORIAL[place[j] as usize % LN_FACTORIAL.len()];
         }
         for j in 0..padded {
             let mean = self.mean[j].max(PTRS_FROM);
-            let t = Candidate::new(mean, self.u[j], self.v[j]);
             // Log-probability of k: k ln(λ/k) + k − λ − Stirling's series, which avoids the cancellation of
             // large terms. The series is inexact below 16, where a table of factorials replaces it.
-            let small = t.k < 16.0;
-            let kk = t.k.max(1.0);
+            let small = k[j] < 16.0;
+            let kk = k[j].max(1.0);
             let inv = 1.0 / kk;
             let inv2 = inv * inv;
             let series =
@@ -248,11 +273,8 @@ impl Candidates {
             let ratio = if small { mean } else { mean * inv };
             let rest = if small { -ln_factorial[j] } else { kk - series };
             let root = if small { 1.0 } else { (std::f64::consts::TAU * kk).sqrt() };
-            let ln_probability = t.k * ln_f64(ratio) + (rest - mean);
-            let hat = t.v * t.inverse_alpha / (t.a / (t.us * t.us) + t.b) * root;
-            let possible = (t.k >= 0.0) & !((t.us < 0.013) & (t.v > t.us));
-            let full = possible & (ln_f64(hat) <= ln_probability);
-            accepted[j] = u8::from(full | t.quick);
+            let ln_probability = k[j] * ln_f64(ratio) + (rest - mean);
+            accepted[j] |= possible[j] & u8::from(ln_f64(hat[j] * root) <= ln_probability);
         }
         let mut failed = 0;
         for j in 0..n {

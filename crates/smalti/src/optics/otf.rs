@@ -149,15 +149,20 @@ impl Kernel for RadialColumn<'_> {
                 *nu = (x * x + y * y).sqrt();
             }
             let factors = lookup_all(table, &nu);
-            for (ky, (nu, h)) in (first..=rows / 2).zip(nu.into_iter().zip(factors)) {
-                if nu >= 1.0 {
-                    column[ky..=rows - ky.max(1)].fill(Complex32::ZERO);
-                    return;
-                }
-                column[ky] *= h;
-                if ky > 0 && rows - ky != ky {
-                    column[rows - ky] *= h;
-                }
+            let count = BLOCK.min(rows / 2 + 1 - first);
+            let passing = nu[..count].iter().take_while(|nu| **nu < 1.0).count();
+            let multiply = |(v, h): (&mut Complex32, &f32)| *v *= h;
+            column[first..first + passing].iter_mut().zip(&factors).for_each(multiply);
+            // Frequency zero and Nyquist's have no negative counterpart.
+            let own = first.max(1)..(first + passing).min(rows.div_ceil(2));
+            if !own.is_empty() {
+                let negative = &mut column[rows + 1 - own.end..=rows - own.start];
+                negative.iter_mut().rev().zip(&factors[own.start - first..]).for_each(multiply);
+            }
+            if passing < count {
+                let stopped = first + passing;
+                column[stopped..=rows - stopped.max(1)].fill(Complex32::ZERO);
+                return;
             }
         }
     }
