@@ -133,15 +133,14 @@ pub(super) fn decode(name: &str, bytes: &[u8]) -> Result<SpectralFile, IoError> 
         logarithm => floor * libm::exp(log_step * f64::from(logarithm)),
     };
     let levels: Vec<f64> = logarithms.par_iter().map(level).collect();
-    let coefficients: Vec<f64> = coefficients.par_iter().map(|&c| step * f64::from(c)).collect();
     cube.data_mut().par_chunks_mut(area).enumerate().for_each(|(band, plane)| {
         let mut shape = [0.0; TILE];
         for (out, first) in plane.chunks_mut(TILE).zip((0..).step_by(TILE)) {
             shape.fill(mean[band]);
             for (coefficients, basis) in coefficients.chunks_exact(area).zip(basis.chunks_exact(bands)) {
                 let basis = basis[band];
-                for (shape, coefficient) in shape.iter_mut().zip(&coefficients[first..]) {
-                    *shape += coefficient * basis;
+                for (shape, &coefficient) in shape.iter_mut().zip(&coefficients[first..]) {
+                    *shape += step * f64::from(coefficient) * basis;
                 }
             }
             for ((out, shape), level) in out.iter_mut().zip(&shape).zip(&levels[first..]) {

@@ -202,8 +202,8 @@ impl Scoring<'_> {
         Ok(row)
     }
 
-    /// The scores on the targets, for each contender and luminance. Contenders share the optical images of the targets in a light, and so
-    /// come one after another.
+    /// The scores on the targets, for each contender and luminance. Contenders share the optical images of the targets at a
+    /// luminance, and so come one after another.
     fn targets(&self) -> Result<Vec<Vec<TargetScores>>, ExperimentError> {
         let Self { contenders, settings, exposure, resources } = *self;
         let mut found: Vec<Vec<TargetScores>> = contenders.iter().map(|_| Vec::new()).collect();

@@ -54,15 +54,18 @@ pub struct NoStore;
 
 impl Store for NoStore {}
 
-/// A store that also keeps the optical images in memory, for several cameras that ask for the same ones in turn: another store may be
-/// slow, or keep nothing. It keeps nothing else.
+/// The latest optical images of a store in memory, for several cameras that ask for the same ones in turn: the store may be slow, or keep
+/// nothing. Statistics, pipelines and scores of the store are not seen through it.
 pub(super) struct ImagesInMemory<'a> {
     store: &'a dyn Store,
     images: Mutex<Vec<(String, OpticalImage)>>,
 }
 
 impl<'a> ImagesInMemory<'a> {
-    /// No image yet; others come from a store.
+    /// Images that are kept: those of the targets of one camera, so that memory does not grow with the number of cameras.
+    const KEPT: usize = 4;
+
+    /// Without images, which come from a store.
     pub(super) fn new(store: &'a dyn Store) -> Self {
         Self { store, images: Mutex::default() }
     }
@@ -83,7 +86,10 @@ impl Store for ImagesInMemory<'_> {
             return Ok(image.clone());
         }
         let image = self.store.optical_image(key, make)?;
-        self.images().push((key.to_owned(), image.clone()));
+        let mut images = self.images();
+        images.push((key.to_owned(), image.clone()));
+        let surplus = images.len().saturating_sub(Self::KEPT);
+        images.drain(..surplus);
         Ok(image)
     }
 }
@@ -138,5 +144,7 @@ mod tests {
         let store = ImagesInMemory::new(&NoStore);
         let sample = |key| store.optical_image(key, &make).unwrap().irradiance().planes().data()[0];
         assert_eq!(["a", "b", "a", "b", "a"].map(sample), [1.0, 2.0, 1.0, 2.0, 1.0]);
+        // The first ones give way.
+        assert_eq!(["c", "d", "b", "e", "b", "a"].map(sample), [3.0, 4.0, 2.0, 5.0, 2.0, 6.0]);
     }
 }

@@ -17,7 +17,7 @@ use super::philox::philox4x32;
 /// Lanes of a block.
 pub const LANES: usize = 128;
 
-/// Lanes that are skipped together where none of them takes a method.
+/// Lanes that skip a method together if none of them needs it.
 const GROUP: usize = 16;
 /// Inversion applies below this mean; PTRS is defined from 10 on.
 const PTRS_FROM: f64 = 10.0;
@@ -83,7 +83,7 @@ pub fn poisson_lanes(counter: &LaneCounter, words: [&[u32; LANES]; 2], means: &m
     *means = counts;
 }
 
-/// Whether a condition holds for a mean of some lanes.
+/// Whether a condition holds for any of the means of some lanes. All are tested, because a loop that stops early is no vector code.
 #[inline(always)]
 fn any(means: &[f64; LANES], lanes: Range<usize>, condition: impl Fn(f64) -> bool) -> bool {
     means[lanes].iter().fold(0u64, |found, mean| found | u64::from(condition(*mean))) != 0

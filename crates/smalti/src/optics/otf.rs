@@ -153,7 +153,7 @@ impl Kernel for RadialColumn<'_> {
             let passing = nu[..count].iter().take_while(|nu| **nu < 1.0).count();
             let multiply = |(v, h): (&mut Complex32, &f32)| *v *= h;
             column[first..first + passing].iter_mut().zip(&factors).for_each(multiply);
-            // Frequency zero and Nyquist's have no negative counterpart.
+            // Frequency zero and the Nyquist frequency have no negative counterpart.
             let own = first.max(1)..(first + passing).min(rows.div_ceil(2));
             if !own.is_empty() {
                 let negative = &mut column[rows + 1 - own.end..=rows - own.start];
@@ -168,7 +168,7 @@ impl Kernel for RadialColumn<'_> {
     }
 }
 
-/// [`lookup`] at several places.
+/// [`lookup`] at several places, which are finite.
 #[inline(always)]
 fn lookup_all<const N: usize>(table: &[f32], nu: &[f32; N]) -> [f32; N] {
     let last = (table.len() - 1) as f32;
@@ -297,15 +297,18 @@ mod tests {
         ];
         let low_pass = BirefringentLowPass { horizontal_separation_m: 0.7, vertical_separation_m: 1.1 };
         for lens in lenses {
-            for (rows, cols) in [(24, 20), (15, 9), (1, 1), (2, 2), (80, 12), (71, 12)] {
-                let otf = Otf::new(0.37, lens.clone(), Some(low_pass));
-                let grid = otf.on_grid(rows, cols, 1.0);
-                for kx in 0..grid.passing().min(cols / 2 + 1) {
-                    let mut column = vec![Complex32::ONE; rows];
-                    grid.apply(kx, &mut column);
-                    for (ky, v) in column.iter().enumerate() {
-                        let want = otf.at(bin_frequency(kx, cols), bin_frequency(ky, rows));
-                        assert!((v - want).norm() < 1e-5, "{rows} {kx} {ky} {v} {want}");
+            for (rows, cols) in [(24, 20), (15, 9), (1, 1), (2, 2), (32, 12), (33, 12), (80, 12), (71, 12)] {
+                // Below and above the Nyquist frequency: with the latter, all samples pass.
+                for cutoff in [0.37, 0.9] {
+                    let otf = Otf::new(cutoff, lens.clone(), Some(low_pass));
+                    let grid = otf.on_grid(rows, cols, 1.0);
+                    for kx in 0..grid.passing().min(cols / 2 + 1) {
+                        let mut column = vec![Complex32::ONE; rows];
+                        grid.apply(kx, &mut column);
+                        for (ky, v) in column.iter().enumerate() {
+                            let want = otf.at(bin_frequency(kx, cols), bin_frequency(ky, rows));
+                            assert!((v - want).norm() < 1e-5, "{cutoff} {rows} {kx} {ky} {v} {want}");
+                        }
                     }
                 }
             }

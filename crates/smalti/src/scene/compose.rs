@@ -84,7 +84,7 @@ pub(super) fn fragments(
     let scale = scale_of(setting, mean)?;
     let light = light.scaled(scale)?;
     let mut planes = checked_planes(rows.len(), cols, setting)?;
-    let bands: Vec<&mut [f32]> = planes.data_mut().chunks_mut((rows.len() * cols).max(1)).collect();
+    let bands: Vec<&mut [f32]> = planes.data_mut().chunks_mut(rows.len() * cols).collect();
     let blocks = bands.len().div_ceil(LANES);
     let spectra = |block: usize| -> Vec<Lanes> {
         let lane =
@@ -95,7 +95,7 @@ pub(super) fn fragments(
     // Each task writes one row of every plane.
     let mut tasks: Vec<Vec<&mut [f32]>> = rows.iter().map(|_| Vec::with_capacity(bands.len())).collect();
     for plane in bands {
-        tasks.iter_mut().zip(plane.chunks_mut(cols.max(1))).for_each(|(task, row)| task.push(row));
+        tasks.iter_mut().zip(plane.chunks_mut(cols)).for_each(|(task, row)| task.push(row));
     }
     tasks.into_par_iter().zip(rows).for_each_init(Vec::new, |sums, (mut bands, fragments)| {
         for (bands, spectra) in bands.chunks_mut(LANES).zip(&spectra) {
@@ -188,7 +188,7 @@ fn into_scene(name: &str, planes: Planes, light: Spectrum, setting: &Setting) ->
 mod tests {
     use super::*;
 
-    /// With as many wavelengths as a register has lanes, one fewer, one more, and twice as many.
+    /// With as many wavelengths as are summed at once, one fewer, one more, and twice as many.
     #[test]
     fn pixels_are_the_weighted_sums_of_their_fragments() {
         const COLS: usize = 7;

@@ -65,7 +65,7 @@ impl ElectronRates {
         image: &OpticalImage,
     ) -> Result<Vec<[Self; N]>, SensorError> {
         sensors.iter().flatten().try_for_each(|sensor| sensor.validate())?;
-        // Equal sensors have equal rates, such as those of one target behind several mosaics.
+        // Equal sensors have equal rates, such as the observers behind cameras that differ in their mosaics alone.
         let mut distinct: Vec<&Sensor> = Vec::new();
         let mut place = |sensor| {
             distinct.iter().position(|known| *known == sensor).unwrap_or_else(|| {

@@ -333,8 +333,8 @@ fn a_fixed_pattern_that_was_drawn_before_changes_no_bit() {
     }
 }
 
-/// Sensors of one image, with unlike mosaics, windows, binning and sizes, some of them equal, have the bits that each has alone, for any number of threads. The width
-/// is no multiple of the columns that are summed at once.
+/// Sensors of one image, with unlike mosaics, windows, binning and sizes, some of them equal, have the bits that each has alone, for any
+/// number of threads. The width is no multiple of the columns that are summed at once.
 #[test]
 fn rates_of_many_sensors_are_those_of_each() {
     let image = speckle(90, 330, 2.1e-6);
