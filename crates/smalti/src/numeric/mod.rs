@@ -23,5 +23,6 @@ pub mod simultaneous;
 pub use arithmetic::arithmetic;
 pub use out_of_range::OutOfRange;
 pub(crate) use out_of_range::{Number, require};
+pub(crate) use planes::bands_of;
 pub use planes::{Planes, ShapeError};
 pub use rect::Rect;

@@ -144,6 +144,17 @@ impl Planes {
     }
 }
 
+/// The rows of each band of all planes, for tasks that write some rows of every plane.
+pub(crate) fn bands_of<T>(band_rows: usize, data: &mut [T], rows: usize, cols: usize) -> Vec<Vec<&mut [T]>> {
+    let mut bands: Vec<Vec<&mut [T]>> = (0..rows.div_ceil(band_rows)).map(|_| Vec::new()).collect();
+    for plane in data.chunks_mut((rows * cols).max(1)) {
+        for (band, rows) in bands.iter_mut().zip(plane.chunks_mut(band_rows * cols)) {
+            band.push(rows);
+        }
+    }
+    bands
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

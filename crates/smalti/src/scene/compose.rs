@@ -5,8 +5,8 @@ use rayon::prelude::*;
 
 use super::setting::require_reflectance;
 use super::{Scene, SceneError, Setting};
-use crate::numeric::Planes;
 use crate::numeric::simd::{Kernel, dispatch};
+use crate::numeric::{Planes, bands_of};
 use crate::spectrum::{Observer, SpectralCube, Spectrum, WavelengthGrid};
 
 /// Maximum number of values (pixels times wavelengths) of a built-in scene: 4 GiB.
@@ -84,19 +84,14 @@ pub(super) fn fragments(
     let scale = scale_of(setting, mean)?;
     let light = light.scaled(scale)?;
     let mut planes = checked_planes(rows.len(), cols, setting)?;
-    let bands: Vec<&mut [f32]> = planes.data_mut().chunks_mut(rows.len() * cols).collect();
-    let blocks = bands.len().div_ceil(LANES);
+    let blocks = setting.grid.len().div_ceil(LANES);
     let spectra = |block: usize| -> Vec<Lanes> {
         let lane =
             |s: &Spectrum, l: usize| s.values().get(block * LANES + l).map_or(0.0, |v| (v * scale) as f32);
         radiance.iter().map(|s| std::array::from_fn(|l| lane(s, l))).collect()
     };
     let spectra: Vec<Vec<Lanes>> = (0..blocks).map(spectra).collect();
-    // Each task writes one row of every plane.
-    let mut tasks: Vec<Vec<&mut [f32]>> = rows.iter().map(|_| Vec::with_capacity(bands.len())).collect();
-    for plane in bands {
-        tasks.iter_mut().zip(plane.chunks_mut(cols)).for_each(|(task, row)| task.push(row));
-    }
+    let tasks = bands_of(1, planes.data_mut(), rows.len(), cols);
     tasks.into_par_iter().zip(rows).for_each_init(Vec::new, |sums, (mut bands, fragments)| {
         for (bands, spectra) in bands.chunks_mut(LANES).zip(&spectra) {
             sums.clear();

@@ -30,7 +30,7 @@ use super::jakob_hanika2019::UpliftError;
 use super::sigmoid::{Fit, polynomial, position, sigmoid};
 use super::{ColorSpace, Image};
 use crate::numeric::simd::{Kernel, dispatch};
-use crate::numeric::{Planes, require};
+use crate::numeric::{Planes, bands_of, require};
 use crate::spectrum::{
     Extrapolation, Observer, SpectralCube, Spectrum, SpectrumError, WavelengthGrid, reflectance,
 };
@@ -135,13 +135,7 @@ impl Repaint {
                     mixture(&self.measured, self.fit.xyz(grey)).into_iter().map(|r| r as f32).collect()
                 })
                 .collect();
-            // Each task writes one row of every plane.
-            let mut tasks: Vec<Vec<&mut [f32]>> = (0..rows).map(|_| Vec::new()).collect();
-            for plane in planes.data_mut().chunks_mut(rows * cols) {
-                for (task, row) in tasks.iter_mut().zip(plane.chunks_mut(cols)) {
-                    task.push(row);
-                }
-            }
+            let tasks = bands_of(1, planes.data_mut(), rows, cols);
             tasks.into_par_iter().enumerate().for_each(|(row, mut bands)| {
                 let mut work = vec![[0.0; LANES]; self.grid.len()];
                 for first in (0..cols).step_by(LANES) {

@@ -15,7 +15,7 @@ use super::source::Source;
 use crate::numeric::Planes;
 use crate::sensor::{Mosaic, RawImage, Sampling};
 pub use bilinear::Bilinear;
-pub(crate) use plan::{BAND_ROWS, Plan, bands, bands_of};
+pub(crate) use plan::{BAND_ROWS, Plan, bands};
 
 /// A demosaicking method.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]

@@ -10,9 +10,9 @@ use rayon::prelude::*;
 use super::super::IspError;
 use super::super::source::Source;
 use super::simd::{LANES, LaneTap, Sample, WeightedRow};
-use crate::numeric::ShapeError;
 use crate::numeric::mirror::about_outermost;
 use crate::numeric::simd::dispatch;
+use crate::numeric::{ShapeError, bands_of};
 use crate::sensor::Mosaic;
 
 /// Rows per task, fixed so that results do not depend on the number of threads.
@@ -271,15 +271,4 @@ impl Layout {
 /// The rows of each band of all planes.
 pub(crate) fn bands<T>(data: &mut [T], rows: usize, cols: usize) -> Vec<Vec<&mut [T]>> {
     bands_of(BAND_ROWS, data, rows, cols)
-}
-
-/// The same for bands of a number of rows.
-pub(crate) fn bands_of<T>(band_rows: usize, data: &mut [T], rows: usize, cols: usize) -> Vec<Vec<&mut [T]>> {
-    let mut bands: Vec<Vec<&mut [T]>> = (0..rows.div_ceil(band_rows)).map(|_| Vec::new()).collect();
-    for plane in data.chunks_mut((rows * cols).max(1)) {
-        for (band, rows) in bands.iter_mut().zip(plane.chunks_mut(band_rows * cols)) {
-            band.push(rows);
-        }
-    }
-    bands
 }

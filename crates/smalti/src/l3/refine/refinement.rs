@@ -12,8 +12,7 @@ use super::inputs::{COUNT, LINEAR, OUTPUTS};
 use super::layout::{Kernels, RowInputs, arranged, weights_of};
 use super::products::products;
 use super::stages::{ROWS_BEYOND, RollingStages, copy_row};
-use crate::isp::demosaic::bands_of;
-use crate::numeric::Planes;
+use crate::numeric::{Planes, bands_of};
 
 /// Least pixels of a strip, which computes the stages of a few rows beyond itself as well.
 const STRIP_PIXELS: usize = 1 << 19;
