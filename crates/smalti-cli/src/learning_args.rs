@@ -65,7 +65,7 @@ const LEVEL_RULES: [Choice<LevelRule>; 2] = [
 
 pub(crate) const QUALITIES: [Choice<Quality>; 2] = [
     ("fast", "One stage: a kernel on the patch around each pixel", Quality::Fast),
-    ("best", "A second stage refines the picture with its surroundings of up to 34 pixels", Quality::Best),
+    ("best", "A second stage refines the picture with its surroundings of up to 37 pixels", Quality::Best),
 ];
 
 const TEXTURES: [Choice<Textures>; 3] = [

@@ -31,11 +31,12 @@ impl Pipeline {
         let kernels = axes.taps() * self.outputs().len();
         let first = [("classes", classes as f64), ("kernels", kernels as f64)];
         let second = self.refinement().map(|refinement| {
-            let [smooth, classes, kernels] = multiply_adds(refinement.axes());
+            let [smooth, classes, kernels, contrast] = multiply_adds(refinement.axes());
             [
                 ("smooth pictures", smooth),
                 ("classes of the second stage", classes),
                 ("kernels of the second stage", kernels),
+                ("contrast of highlights", contrast),
             ]
         });
         let steps = first.into_iter().chain(second.into_iter().flatten());

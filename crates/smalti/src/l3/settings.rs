@@ -39,7 +39,7 @@ pub enum Quality {
     /// One stage: a kernel on the patch around each pixel.
     #[default]
     Fast,
-    /// A second stage refines the picture with structure and colour from up to 34 pixels around ([`super::Refinement`]).
+    /// A second stage refines the picture with structure and colour from up to 37 pixels around ([`super::Refinement`]).
     Best,
 }
 

@@ -1,6 +1,6 @@
 //! What headers of both arithmetics state of the second stage.
 
-use smalti::l3::{Refinement, RefinementPicture};
+use smalti::l3::{REFINEMENT_CORRECTED_REACH, Refinement, RefinementPicture};
 
 use super::Header;
 
@@ -36,6 +36,11 @@ impl Header<'_> {
         let what = "flat, then for each strength texture and the orientations";
         self.define("STRUCTURES", axes.structures(), what);
         self.define("REFINED_CLASSES", axes.count(), "");
+        self.define(
+            "CORRECTED_REACH",
+            REFINEMENT_CORRECTED_REACH,
+            "rows around a pixel of the refined picture on which its correction depends",
+        );
         self.define(
             "WORK(cols)",
             format!("((size_t){full} * (size_t)(cols) + (size_t){half} * (((size_t)(cols) + 1) / 2))"),
@@ -74,5 +79,5 @@ fn work(refinement: &Refinement) -> (usize, usize) {
     let kept = |is_half: bool| -> usize {
         pictures.iter().filter(|p| p.is_half == is_half).map(|p| OUTPUTS * p.kept).sum()
     };
-    (kept(false), kept(true))
+    (kept(false) + OUTPUTS * (2 * REFINEMENT_CORRECTED_REACH + 1), kept(true))
 }

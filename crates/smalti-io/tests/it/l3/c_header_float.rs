@@ -122,12 +122,13 @@ fn one_stage_has_the_bits_of_the_library() {
 fn classes_met(axes: &RefinementAxes, first: &Pipeline, image: &smalti::sensor::RawImage) -> BTreeSet<u32> {
     let count = axes.count();
     let classes = vec![RefinementClass { count: 0, is_learned: false }; count];
-    let offsets = (0..3 * count).map(|i| (i / 3) as f32).collect();
+    // Above the contrasts at which pixels are corrected.
+    let offsets = (0..3 * count).map(|i| (count + i / 3) as f32).collect();
     let stage =
         Refinement::new(axes.clone(), classes, vec![0.0; 3 * count * REFINEMENT_INPUTS], offsets).unwrap();
     let mut planes = first.render_raw(image).unwrap().planes;
     stage.apply(&mut planes).unwrap();
-    planes.data().iter().map(|&class| class as u32).collect()
+    planes.data().iter().map(|&class| class as u32 - count as u32).collect()
 }
 
 /// Axes of the second stage, and images of mosaics, sizes and phases: Bayer, RGBW of 4 × 4, a knight's move of 5 × 5, with odd and even sizes, more
@@ -158,6 +159,14 @@ fn cases() -> Vec<(Recipe, [usize; 2], [usize; 2], RefinementAxes)> {
     images.into_iter().flat_map(with_axes).collect()
 }
 
+/// A stage of which every second class is below black and the others are bright, so that pixels where they meet are corrected.
+fn with_highlights(stage: &Refinement) -> Refinement {
+    let offset = |(i, offset): (usize, &f32)| if i / 3 % 2 == 0 { -0.9 + offset } else { 2.0 + offset };
+    let offsets = stage.offsets().iter().enumerate().map(offset).collect();
+    let (axes, classes) = (stage.axes().clone(), stage.classes().to_vec());
+    Refinement::new(axes, classes, stage.weights().collect(), offsets).unwrap()
+}
+
 #[test]
 fn both_stages_have_the_bits_of_the_library() {
     for (r, size, phase, axes) in cases() {
@@ -174,7 +183,7 @@ fn both_stages_have_the_bits_of_the_library() {
         println!("{} structures, kinds {kinds:?}", structures.len());
         // The larger pictures meet texture and edges of every orientation.
         assert!(size[0] < 40 || kinds.len() == 1 + axes.orientations(), "{kinds:?}");
-        let p = first.clone().with_refinement(Some(second_stage_of(axes))).unwrap();
+        let p = first.clone().with_refinement(Some(with_highlights(&second_stage_of(axes)))).unwrap();
         assert_eq!(p.quality(), Quality::Best);
         let Some(pictures) = rendered(&p, &r, size, phase) else { return };
         let [best, fast] = &pictures[..] else { panic!("{}", pictures.len()) };
@@ -182,6 +191,10 @@ fn both_stages_have_the_bits_of_the_library() {
         assert_same_bits(fast, first.render_raw(&image).unwrap().planes.data(), &what);
         assert_same_bits(best, p.render_raw(&image).unwrap().planes.data(), &what);
         assert!(best.iter().zip(fast).any(|(a, b)| a != b));
+        // Neither of a dark class nor of a bright one: what a correction has lifted.
+        let luminance = &best[size[0] * size[1]..2 * size[0] * size[1]];
+        let corrected = luminance.iter().filter(|y| (0.0..1.8).contains(*y)).count();
+        assert!(size[0] < 40 || corrected > 20, "{corrected}");
     }
 }
 
@@ -189,7 +202,8 @@ fn both_stages_have_the_bits_of_the_library() {
 #[test]
 fn both_stages_in_integers_are_those_of_the_library() {
     for (r, size, phase, axes) in cases() {
-        let p = picture_pipeline_of(&r).with_refinement(Some(second_stage_of(axes))).unwrap();
+        let stage = with_highlights(&second_stage_of(axes));
+        let p = picture_pipeline_of(&r).with_refinement(Some(stage)).unwrap();
         let Some(bytes) = written(&p, CArithmetic::Integers, &r, size, phase) else { return };
         let (rows, cols) = (size[0], size[1]);
         let (values, places) = bytes.split_at(bytes.len() - rows * cols);

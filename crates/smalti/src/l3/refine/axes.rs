@@ -103,6 +103,12 @@ impl RefinementAxes {
         self.noise
     }
 
+    /// The standard deviation of the noise of one sample at Y = 0, in units of Y.
+    #[must_use]
+    pub fn dark_noise(&self) -> f32 {
+        self.noise[0].sqrt()
+    }
+
     /// Thresholds of the strengths of structure, in variances of the noise of one sample.
     #[must_use]
     pub fn strengths(&self) -> &[f32] {

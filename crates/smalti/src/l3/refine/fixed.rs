@@ -4,6 +4,7 @@ use rayon::prelude::*;
 
 use super::super::{L3Error, Textures};
 use super::axes::structure;
+use super::highlights;
 use super::inputs::{COUNT, NEIGHBOURHOODS, OUTPUTS, ROOTS_OF};
 use super::pictures::RefinementPicture;
 use super::polynomial::Polynomial;
@@ -32,6 +33,16 @@ const MAX_SHIFT: u8 = 24;
 const TENT: [i64; 5] = [1, 2, 3, 2, 1];
 /// The tangent of 22.5° in 2⁻¹⁵.
 const TANGENT: i64 = 13_573;
+/// By how many bits less light at a distance along a row or a column counts in the contrast, and by how many bits brighter a dark pixel counts.
+const LIGHT: [u32; 1 + highlights::REACH] = [0, 0, 1, 2];
+const DARKNESS: [u32; 1 + highlights::REACH] = [0, 1, 2, 3];
+/// Weights of the mean colour at a distance; along a row or a column they sum to 64.
+const BINOMIAL: [i64; 1 + highlights::REACH] = [20, 15, 6, 1];
+/// Contrasts at which the correction begins and is complete.
+const FROM: i64 = highlights::CONTRASTS[0] as i64;
+const TO: i64 = highlights::CONTRASTS[1] as i64;
+/// Binary places of how much of the correction applies.
+const SHARE_PLACES: u32 = 10;
 /// Down, right and times of the neighbours of a smoothing.
 const AROUND: [[isize; 3]; 8] =
     [[-1, 0, 2], [0, -1, 2], [0, 1, 2], [1, 0, 2], [-1, -1, 1], [-1, 1, 1], [1, -1, 1], [1, 1, 1]];
@@ -57,6 +68,8 @@ pub struct FixedRefinement {
     /// For each picture, 2⁴⁰ times the squared difference of colours beyond which neighbours do not count (X² + 2 Y² + Z²), of Y. All zeros for
     /// pictures that are not averaged.
     pub squares: [Polynomial; PICTURES],
+    /// What is added to darkness before the contrast is taken: 2²⁰ times the deviation of dark samples, at least 1.
+    pub dark: i64,
     /// Red, green and blue of the roots from X, Y, Z, with 30 binary places.
     pub rgb_from_xyz: [[i64; 3]; 3],
     steps: [usize; PICTURES],
@@ -125,6 +138,7 @@ impl Refinement {
             strengths: strengths
                 .ok_or(L3Error::NoFixedPoint("a strength of its second stage is above 65535"))?,
             squares,
+            dark: ((f64::from(axes.dark_noise()) * one).round() as i64).max(1),
             rgb_from_xyz: fixed_rgb_from_xyz(),
             steps: pictures.map(|p| p.step.unwrap_or(0)),
             halved: pictures.map(|p| p.is_half),
@@ -213,8 +227,10 @@ impl FixedRefinement {
             });
         }
         let refined = Whole::of(rows, cols, |row, col| self.pixel(&pictures, row, col));
+        drop(pictures);
+        let corrected = Whole::of(rows, cols, |row, col| self.corrected(&refined, row, col));
         for (p, out) in picture.chunks_exact_mut(plane).enumerate() {
-            out.iter_mut().zip(&refined.data).for_each(|(out, pixel)| *out = pixel[p]);
+            out.iter_mut().zip(&corrected.data).for_each(|(out, pixel)| *out = pixel[p]);
         }
     }
 
@@ -255,6 +271,40 @@ impl FixedRefinement {
             let weights = &self.weights[kernel * COUNT..(kernel + 1) * COUNT];
             let sum: i64 = weights.iter().zip(&inputs).map(|(&w, &v)| i64::from(w) * i64::from(v)).sum();
             saturated(rounded(sum + self.offsets[kernel], shift))
+        })
+    }
+
+    /// A pixel of the refined picture, corrected beside light that is many times as bright.
+    fn corrected(&self, refined: &Whole, row: isize, col: isize) -> [i32; OUTPUTS] {
+        let (own, reach) = (refined.at(row, col), highlights::REACH as isize);
+        let around = |plane: usize| {
+            let at = move |r: isize, c: isize| i64::from(refined.at(row + r, col + c)[plane]);
+            (-reach..=reach).flat_map(move |r| (-reach..=reach).map(move |c| (r, c, at(r, c))))
+        };
+        let bits = |of: &[u32; 1 + highlights::REACH], r: isize, c: isize| {
+            of[r.unsigned_abs()] + of[c.unsigned_abs()]
+        };
+        let brightest = around(1).map(|(r, c, y)| y.max(0) >> bits(&LIGHT, r, c)).max().unwrap_or(0);
+        let dark = |(r, c, y): (isize, isize, i64)| (y.max(0) + self.dark) << bits(&DARKNESS, r, c);
+        let darkest = around(1).map(dark).min().unwrap_or(1);
+        let beyond = brightest - FROM * darkest;
+        if beyond <= 0 {
+            return own;
+        }
+        let share = ((beyond << SHARE_PLACES) / ((TO - FROM) * darkest)).min(1 << SHARE_PLACES);
+        let weight = |r: isize, c: isize| BINOMIAL[r.unsigned_abs()] * BINOMIAL[c.unsigned_abs()];
+        let [x, y, z] = [0, 1, 2].map(|plane| around(plane).map(|(r, c, v)| weight(r, c) * v).sum::<i64>());
+        let is_near = |r: isize, c: isize| r.abs() <= 1 && c.abs() <= 1;
+        let near: i64 =
+            around(1).filter(|&(r, c, _)| is_near(r, c)).map(|(r, c, y)| y << (2 - r.abs() - c.abs())).sum();
+        let near = rounded(near.max(0), 4);
+        let light = i64::from(own[1]).max(near >> 1);
+        // The weights sum to 2¹².
+        let total = y.max(self.dark << 12);
+        let goal = [x.max(0) * light / total, light, z.max(0) * light / total];
+        std::array::from_fn(|p| {
+            let (own, goal) = (i64::from(own[p]), i64::from(saturated(goal[p])));
+            saturated(own + rounded(share * (goal - own), SHARE_PLACES))
         })
     }
 

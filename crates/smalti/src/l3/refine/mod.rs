@@ -11,12 +11,14 @@
 //! 3. The output is linear in the pixel's neighbourhood in the picture, in the five smooth colours and in roots of products of the channels of
 //!    one of them, which correct what is not linear in colour ([`inputs`], [`roots`], [`products`]). The kernels of each class minimise the squared error over the training pictures, in closed form from streamed moments ([`RefinementStatistics`]).
 //!    In uniform areas they pass on no pattern with the period of the mosaic's tile ([`tile_pattern`]).
+//! 4. [`highlights`] corrects pixels beside light that is many times as bright.
 //!
 //! [dammertz2010]: https://doi.org/10.2312/EGGH/HPG10/067-075
 
 mod axes;
 mod classes;
 mod fixed;
+mod highlights;
 mod inputs;
 mod layout;
 mod pictures;
@@ -26,6 +28,7 @@ mod refinement;
 mod roots;
 mod stages;
 mod statistics;
+mod strips;
 #[cfg(test)]
 mod tests;
 mod tile_pattern;
@@ -41,4 +44,8 @@ pub use roots::REFINEMENT_RGB_FROM_XYZ;
 pub use statistics::{REFINEMENT_REVISION, RefinementStatistics};
 
 pub(super) use pictures::multiply_adds;
-pub(super) use stages::REACH;
+
+/// Distance of the farthest pixel of the picture of the first stage on which an output depends.
+pub(super) const REACH: usize = stages::REACH + highlights::REACH;
+/// Distance, in rows and columns, of the farthest pixel of the refined picture on which the correction beside highlights depends.
+pub const REFINEMENT_CORRECTED_REACH: usize = highlights::REACH;

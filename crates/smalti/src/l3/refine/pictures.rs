@@ -67,10 +67,14 @@ const CLASS: usize = 2 + 3 + 2 * 3 * 5 + 5 + 2 + MAX_STRENGTHS + 7;
 /// Those of the roots: three channels, three products and as many square roots.
 const OF_ROOTS: usize = 3 * 3 + 2 * ROOTS;
 
-/// Multiplications per pixel of the smooth pictures, of the classes and of the kernels, as the portable loops are written, without those of rows that
+/// Those of the contrast around a refined pixel: down the columns and along the rows, four of light and six of darkness, and its share. A pixel that is
+/// corrected has 36 more.
+const OF_CONTRAST: usize = 2 * (4 + 6) + 1;
+
+/// Multiplications per pixel of the smooth pictures, of the classes, of the kernels and of the contrast around highlights, as the portable loops are written, without those of rows that
 /// are computed again for the next group of rows.
-pub(in super::super) fn multiply_adds(axes: &RefinementAxes) -> [f64; 3] {
+pub(in super::super) fn multiply_adds(axes: &RefinementAxes) -> [f64; 4] {
     let smooth = axes.pictures().into_iter().filter(|p| p.step.is_some());
     let smooth: f64 = smooth.map(|p| SMOOTHING as f64 * if p.is_half { 0.25 } else { 1.0 }).sum();
-    [smooth, CLASS as f64, (OUTPUTS * COUNT + OF_ROOTS) as f64]
+    [smooth, CLASS as f64, (OUTPUTS * COUNT + OF_ROOTS) as f64, OF_CONTRAST as f64]
 }

@@ -1,21 +1,17 @@
 //! The learned second stage, and how it refines a picture.
 
-use std::ops::Range;
-
-use rayon::prelude::*;
-
 use super::super::L3Error;
 use super::super::blocks::LANES;
 use super::axes::RefinementAxes;
 use super::classes::{Scratch, classify};
+use super::highlights::{self, correct};
 use super::inputs::{COUNT, LINEAR, OUTPUTS};
 use super::layout::{Kernels, RowInputs, arranged, weights_of};
 use super::products::products;
 use super::stages::{ROWS_BEYOND, RollingStages, copy_row};
-use crate::numeric::{Planes, bands_of};
+use super::strips::{Strip, each_strip};
+use crate::numeric::Planes;
 
-/// Least pixels of a strip, which computes the stages of a few rows beyond itself as well.
-const STRIP_PIXELS: usize = 1 << 19;
 /// Number of inputs of the second stage: Y of the 5 × 5 pixels around the pixel, X and Z of 3 × 3, in row order, then X, Y, Z of the five
 /// smooth pictures, the finest first, of which the last two have every second row and column, then √(r g), √(g b) and √(b r) of the third, in
 /// linear BT.2020.
@@ -105,88 +101,28 @@ impl Refinement {
         if picture.count() != OUTPUTS {
             return Err(L3Error::NotAPicture(picture.count()));
         }
-        let (rows, cols) = (picture.rows(), picture.cols());
-        if rows == 0 || cols == 0 {
-            return Ok(());
-        }
-        let strips = (rows * cols / STRIP_PIXELS).clamp(1, 2 * rayon::current_num_threads());
-        // Coarse pictures have every second row, so that strips begin at even rows.
-        let strip_rows = rows.div_ceil(strips).next_multiple_of(2);
-        // Strips are refined in place, so that what they read of their neighbours is copied before.
-        let beyond: Vec<[Beyond; 2]> = (0..rows)
-            .step_by(strip_rows)
-            .map(|first| {
-                let end = (first + strip_rows).min(rows);
-                [first.saturating_sub(ROWS_BEYOND)..first, end..(end + ROWS_BEYOND).min(rows)]
-                    .map(|rows| Beyond::of(picture, rows))
-            })
-            .collect();
-        let strips = bands_of(strip_rows, picture.data_mut(), rows, cols).into_par_iter().zip(beyond);
-        strips.enumerate().for_each(|(i, (band, beyond))| {
-            let first = i * strip_rows;
-            self.refine(Strip { rows: first..(first + strip_rows).min(rows), band, beyond }, rows, cols);
-        });
+        each_strip(picture, ROWS_BEYOND, |strip| self.refine(strip));
+        each_strip(picture, highlights::REACH, |strip| correct(strip, self.axes.dark_noise()));
         Ok(())
     }
 
-    /// Refines a strip of a picture of `rows` × `cols`.
-    fn refine(&self, mut strip: Strip<'_>, rows: usize, cols: usize) {
-        let first = strip.rows.start;
+    /// Refines a strip.
+    fn refine(&self, mut strip: Strip<'_>) {
+        let (first, [rows, cols]) = (strip.rows.start, strip.size);
         let mut rolling = RollingStages::new(first, rows, cols, self.axes.noise());
         let (mut scratch, mut classes) = (Scratch::default(), Vec::new());
         let mut inputs = RowInputs::default();
         for start in strip.rows.clone().step_by(RollingStages::ROWS) {
             let group = start..(start + RollingStages::ROWS).min(strip.rows.end);
-            rolling.advance(group.end, |row, planes| copy_row(strip.line(row, cols), planes));
+            rolling.advance(group.end, |row, planes| copy_row(strip.line(row), planes));
             let stages = &rolling.stages;
             classify(&self.axes, stages.smooth(0), group.clone(), cols, &mut scratch, &mut classes);
             for (row, classes) in group.zip(classes.chunks_exact(cols.next_multiple_of(LANES))) {
                 inputs.read(stages, row, cols);
-                let at = (row - first) * cols;
-                if let [x, y, z] = strip.band.as_mut_slice() {
-                    let out = [x, y, z].map(|plane| &mut plane[at..at + cols]);
+                if let Some(out) = strip.line_mut(row) {
                     products(&self.kernels, classes, &inputs, out);
                 }
             }
         }
-    }
-}
-
-/// Rows of a picture beyond a strip.
-struct Beyond {
-    first: usize,
-    /// Row by row, X, Y and Z.
-    data: Vec<f32>,
-}
-
-impl Beyond {
-    fn of(picture: &Planes, rows: Range<usize>) -> Self {
-        let cols = picture.cols();
-        let line = |row: usize| picture.planes().map(move |p| &p[row * cols..(row + 1) * cols]);
-        Self { first: rows.start, data: rows.flat_map(line).collect::<Vec<_>>().concat() }
-    }
-}
-
-/// Some rows of a picture, which are refined in place, and those above and below as they were.
-struct Strip<'a> {
-    rows: Range<usize>,
-    /// X, Y and Z of its rows.
-    band: Vec<&'a mut [f32]>,
-    beyond: [Beyond; 2],
-}
-
-impl Strip<'_> {
-    /// X, Y and Z of a row that is not refined yet, or lies beyond the strip.
-    fn line(&self, row: usize, cols: usize) -> [&[f32]; OUTPUTS] {
-        let [above, below] = &self.beyond;
-        let beyond = if row < self.rows.start { above } else { below };
-        std::array::from_fn(|plane| {
-            let found = if self.rows.contains(&row) {
-                self.band.get(plane).and_then(|p| p.get((row - self.rows.start) * cols..))
-            } else {
-                beyond.data.get(((row - beyond.first) * OUTPUTS + plane) * cols..)
-            };
-            found.and_then(|line| line.get(..cols)).unwrap_or(&[])
-        })
     }
 }

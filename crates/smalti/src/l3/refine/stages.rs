@@ -26,9 +26,9 @@ const TOLERANCES: [f32; PICTURES] = [0.0, 3.0, 1.5, 0.75, 0.0, 0.375, 0.1875];
 pub(super) const CONTRAST: f32 = 0.1;
 /// Bounds of the squared difference of colours that is tolerated, so that its square has single precision.
 const SQUARES: [f32; 2] = [1e-15, 1e15];
-/// Distance of the farthest pixel of the picture on which an output depends. An output of an odd row reads the coarse pictures of the row
+/// Distance of the farthest pixel of the picture on which a refined pixel depends. A pixel of an odd row reads the coarse pictures of the row
 /// before.
-pub(in super::super) const REACH: usize = ROWS_BEYOND + 1;
+pub(super) const REACH: usize = ROWS_BEYOND + 1;
 /// Rows and columns around a picture: at least the longest step, and what classes and products read.
 pub(super) const MARGIN: usize = 16;
 /// Rows around an output that classes and products read.
@@ -46,7 +46,7 @@ pub(super) struct Padded {
 }
 
 impl Padded {
-    fn keeping(kept: usize, rows: usize, cols: usize) -> Self {
+    pub(super) fn keeping(kept: usize, rows: usize, cols: usize) -> Self {
         // Blocks that begin within a row, and what they read around it, end in its padding.
         let stride = (cols.next_multiple_of(BLOCK) + 2 * MARGIN) / LANES + 1;
         let kept = kept.min(rows).max(1);
@@ -64,7 +64,7 @@ impl Padded {
 
     /// Writes one row.
     #[inline(always)]
-    fn write(&mut self, row: usize, write: impl FnOnce([&mut [f32]; 3])) {
+    pub(super) fn write(&mut self, row: usize, write: impl FnOnce([&mut [f32]; 3])) {
         let length = 3 * self.stride;
         let at = row % self.kept * length;
         if let Some(line) = self.data.get_mut(at..at + length) {

@@ -171,3 +171,45 @@ static inline void @p@_refined_pixel(const @p@_picture pictures[@P@_PICTURES], i
         out[o] = @p@_saturated(@p@_rounded(sum, @p@_refined_shifts[class_index]));
     }
 }
+
+/* A pixel of the refined picture. Beside light that is many times as bright it has the mean colour of the light around it and
+   at least half of the mean Y of its neighbours. */
+static inline void @p@_corrected(const @p@_picture *p, int32_t row, int32_t col, int32_t out[3])
+{
+    /* By how many bits less light at a distance counts, and by how many bits brighter a dark pixel; weights of colours, 64 along a line. */
+    static const int8_t light_bits[4] = { 0, 0, 1, 2 }, dark_bits[4] = { 0, 1, 2, 3 }, weights[4] = { 20, 15, 6, 1 };
+    int64_t brightest = 0, darkest = INT64_MAX, sums[3] = { 0, 0, 0 }, near = 0, share, light, total, goal[3];
+    int32_t r, c, plane;
+    for (r = -3; r <= 3; r++)
+        for (c = -3; c <= 3; c++) {
+            const int32_t y = @p@_at(p, 1, row + r, col + c), down = r < 0 ? -r : r, right = c < 0 ? -c : c;
+            const int64_t lit = (y > 0 ? y : 0) >> (light_bits[down] + light_bits[right]);
+            const int64_t dark = ((int64_t)(y > 0 ? y : 0) + @P@_DARK) << (dark_bits[down] + dark_bits[right]);
+            brightest = lit > brightest ? lit : brightest;
+            darkest = dark < darkest ? dark : darkest;
+        }
+    for (plane = 0; plane < 3; plane++)
+        out[plane] = @p@_at(p, plane, row, col);
+    brightest -= 8 * darkest;
+    if (brightest <= 0)
+        return;
+    share = (brightest << 10) / (24 * darkest);
+    share = share < 1 << 10 ? share : 1 << 10;
+    for (r = -3; r <= 3; r++)
+        for (c = -3; c <= 3; c++) {
+            const int32_t down = r < 0 ? -r : r, right = c < 0 ? -c : c;
+            for (plane = 0; plane < 3; plane++)
+                sums[plane] += (int64_t)(weights[down] * weights[right]) * @p@_at(p, plane, row + r, col + c);
+            if (down <= 1 && right <= 1)
+                near += (int64_t)((2 - down) * (2 - right)) * @p@_at(p, 1, row + r, col + c);
+        }
+    near = @p@_rounded(near > 0 ? near : 0, 4);
+    light = out[1] > near >> 1 ? out[1] : near >> 1;
+    total = (int64_t)@P@_DARK << 12;
+    total = sums[1] > total ? sums[1] : total;
+    for (plane = 0; plane < 3; plane++)
+        goal[plane] = @p@_saturated((sums[plane] > 0 ? sums[plane] : 0) * light / total);
+    goal[1] = light;
+    for (plane = 0; plane < 3; plane++)
+        out[plane] = @p@_saturated(out[plane] + @p@_rounded(share * (goal[plane] - out[plane]), 10));
+}

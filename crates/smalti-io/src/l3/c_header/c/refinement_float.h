@@ -130,3 +130,54 @@ static inline void @p@_refined_pixel(const @p@_picture pictures[@P@_PICTURES], i
         out[o] = @p@_tree(sums);
     }
 }
+
+/* A mean of seven numbers with binomial weights. */
+static inline float @p@_weighted(const float v[7])
+{
+    return (v[0] + v[6]) * (1.0f / 64.0f) + (v[1] + v[5]) * (6.0f / 64.0f) + (v[2] + v[4]) * (15.0f / 64.0f)
+         + v[3] * (20.0f / 64.0f);
+}
+
+/* A pixel of the refined picture. Beside light that is many times as bright it has the mean colour of the light around it and
+   at least half of the mean Y of its neighbours. */
+static inline void @p@_corrected(const @p@_picture *p, int32_t row, int32_t col, float out[3])
+{
+    /* What light at a distance counts, and how many times as bright a dark pixel. */
+    static const float lights[4] = { 1.0f, 1.0f, 0.5f, 0.25f }, darks[4] = { 1.0f, 2.0f, 4.0f, 8.0f };
+    float brightest = 0.0f, darkest = 0.0f, means[3], lines[7], columns[7], near, light, share, factor;
+    int32_t r, c, plane;
+    for (r = -3; r <= 3; r++)
+        for (c = -3; c <= 3; c++) {
+            const int32_t down = r < 0 ? -r : r, right = c < 0 ? -c : c;
+            const float y = @p@_at(p, 1, row + r, col + c), positive = y > 0.0f ? y : 0.0f;
+            const float lit = positive * lights[down] * lights[right];
+            const float dark = (positive + @P@_DARK) * darks[down] * darks[right];
+            brightest = lit > brightest ? lit : brightest;
+            darkest = (r == -3 && c == -3) || dark < darkest ? dark : darkest;
+        }
+    share = (brightest / darkest - 8.0f) / 24.0f;
+    for (plane = 0; plane < 3; plane++)
+        out[plane] = @p@_at(p, plane, row, col);
+    if (!(share > 0.0f))
+        return;
+    share = share < 1.0f ? share : 1.0f;
+    for (plane = 0; plane < 3; plane++) {
+        for (c = -3; c <= 3; c++) {
+            for (r = -3; r <= 3; r++)
+                lines[r + 3] = @p@_at(p, plane, row + r, col + c);
+            columns[c + 3] = @p@_weighted(lines);
+        }
+        means[plane] = @p@_weighted(columns);
+    }
+    for (c = -1; c <= 1; c++)
+        columns[c + 1] = (@p@_at(p, 1, row - 1, col + c) + @p@_at(p, 1, row + 1, col + c)
+                          + 2.0f * @p@_at(p, 1, row, col + c)) * 0.25f;
+    near = (columns[0] + columns[2] + 2.0f * columns[1]) * 0.25f;
+    near = near > 0.0f ? near : 0.0f;
+    light = out[1] > 0.5f * near ? out[1] : 0.5f * near;
+    factor = light / (means[1] > @P@_DARK ? means[1] : @P@_DARK);
+    for (plane = 0; plane < 3; plane++) {
+        const float goal = plane == 1 ? light : (means[plane] > 0.0f ? means[plane] : 0.0f) * factor;
+        out[plane] += share * (goal - out[plane]);
+    }
+}

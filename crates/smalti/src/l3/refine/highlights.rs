@@ -1,0 +1,240 @@
+//! Correction of pixels beside light that is many times as bright.
+//!
+//! Near a lamp, what a mosaic does not resolve of its edge is wrong by a few percent of its brightness, in other colours at every pixel: more than
+//! the light of its surroundings. Where the contrast of Y around a pixel is beyond that of surfaces in the same light, the pixel has the
+//! mean colour of the light around it instead, and at least half of the mean Y of its neighbours.
+
+use super::super::blocks::{LANES, values, values_mut};
+use super::stages::{MARGIN, Padded, copy_row};
+use super::strips::Strip;
+use crate::numeric::simd::{Kernel, dispatch};
+
+/// Distance of the farthest row and column on which a pixel depends.
+pub(super) const REACH: usize = 3;
+const SIDE: usize = 2 * REACH + 1;
+/// What light at a distance along a row or a column counts in the contrast.
+const LIGHT: [f32; SIDE] = [0.25, 0.5, 1.0, 1.0, 1.0, 0.5, 0.25];
+/// How many times as bright a dark pixel at a distance counts.
+const DARKNESS: [f32; SIDE] = [8.0, 4.0, 2.0, 1.0, 2.0, 4.0, 8.0];
+/// The contrast at which the correction begins, and the contrast at which it is complete. White paper is about 20 times as bright as black ink.
+pub(super) const CONTRASTS: [f32; 2] = [8.0, 32.0];
+/// Binomial weights of the mean colour, along rows and along columns.
+const WEIGHTS: [f32; SIDE] =
+    [1.0 / 64.0, 6.0 / 64.0, 15.0 / 64.0, 20.0 / 64.0, 15.0 / 64.0, 6.0 / 64.0, 1.0 / 64.0];
+/// Least Y of a corrected pixel, relative to the mean of 3 × 3 pixels with binomial weights.
+const LEAST: f32 = 0.5;
+
+/// Corrects a strip. `dark` is the standard deviation of the noise of a sample at Y = 0, which is added to what is dark.
+pub(super) fn correct(mut strip: Strip<'_>, dark: f32) {
+    let [rows, cols] = strip.size;
+    let mut picture = Padded::keeping(SIDE, rows, cols);
+    let mut ready = strip.rows.start.saturating_sub(REACH);
+    let mut scratch = Scratch::default();
+    for row in strip.rows.clone() {
+        while ready < (row + REACH + 1).min(rows) {
+            picture.write(ready, |planes| copy_row(strip.line(ready), planes));
+            ready += 1;
+        }
+        if let Some(out) = strip.line_mut(row) {
+            dispatch(Row { picture: &picture, row, dark, scratch: &mut scratch, out });
+        }
+    }
+}
+
+/// Memory that a strip reuses.
+#[derive(Default)]
+struct Scratch {
+    /// The brightest and the darkest of every column, from [`REACH`] columns before the first on.
+    brightest: Vec<f32>,
+    darkest: Vec<f32>,
+    /// How much of the correction applies.
+    shares: Vec<f32>,
+    /// Means of every column: of X, Y and Z, and of Y of 3 rows.
+    means: [Vec<f32>; 3],
+    near: Vec<f32>,
+}
+
+type Vector = [f32; LANES];
+
+#[inline(always)]
+fn more(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
+}
+
+#[inline(always)]
+fn less(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
+}
+
+/// The brightest and the darkest pixel of a line, at several places.
+struct Extremes {
+    brightest: Vector,
+    darkest: Vector,
+}
+
+impl Extremes {
+    /// From light and darkness at all distances. To the darkness, `dark` is added.
+    #[inline(always)]
+    fn of(light: [&Vector; SIDE], darkness: [&Vector; SIDE], dark: f32) -> Self {
+        let mut all = Self { brightest: [0.0; LANES], darkest: [f32::INFINITY; LANES] };
+        for at in 0..SIDE {
+            for i in 0..LANES {
+                all.brightest[i] = more(all.brightest[i], light[at][i] * LIGHT[at]);
+                all.darkest[i] = less(all.darkest[i], (more(darkness[at][i], 0.0) + dark) * DARKNESS[at]);
+            }
+        }
+        all
+    }
+}
+
+/// Means with [`WEIGHTS`].
+#[inline(always)]
+fn weighted(lines: [&Vector; SIDE]) -> Vector {
+    let [a, b, c, d, e, f, g] = lines;
+    let mut means = [0.0; LANES];
+    for i in 0..LANES {
+        means[i] = (a[i] + g[i]) * WEIGHTS[0]
+            + (b[i] + f[i]) * WEIGHTS[1]
+            + (c[i] + e[i]) * WEIGHTS[2]
+            + d[i] * WEIGHTS[3];
+    }
+    means
+}
+
+/// Means with weights 1, 2, 1 of the three lines in the middle.
+#[inline(always)]
+fn nearest(lines: [&Vector; SIDE]) -> Vector {
+    let [_, _, before, own, after, _, _] = lines;
+    let mut means = [0.0; LANES];
+    for i in 0..LANES {
+        means[i] = (before[i] + after[i] + 2.0 * own[i]) * 0.25;
+    }
+    means
+}
+
+/// The vectors of several lines at a place. `None` where they end.
+#[inline(always)]
+fn down<'a>(lines: &[&'a [f32]; SIDE], at: usize) -> Option<[&'a Vector; SIDE]> {
+    let [a, b, c, d, e, f, g] = *lines;
+    let of = |line| values(line, at);
+    Some([of(a)?, of(b)?, of(c)?, of(d)?, of(e)?, of(f)?, of(g)?])
+}
+
+/// The vectors of a line from a place on, each a column after the one before. `None` where it ends.
+#[inline(always)]
+fn along(line: &[f32], at: usize) -> Option<[&Vector; SIDE]> {
+    let all = values::<f32, { LANES + SIDE - 1 }>(line, at)?;
+    let of = |right| values(all, right);
+    Some([of(0)?, of(1)?, of(2)?, of(3)?, of(4)?, of(5)?, of(6)?])
+}
+
+/// Corrects a row.
+struct Row<'a> {
+    picture: &'a Padded,
+    row: usize,
+    dark: f32,
+    scratch: &'a mut Scratch,
+    out: [&'a mut [f32]; 3],
+}
+
+impl Row<'_> {
+    /// The rows around this one, of a plane, from [`REACH`] columns before the first on.
+    #[inline(always)]
+    fn lines(&self, plane: usize) -> [&[f32]; SIDE] {
+        let mut lines = [&[] as &[f32]; SIDE];
+        for (down, line) in lines.iter_mut().enumerate() {
+            *line = &self.picture.line(plane, (self.row + down) as isize - REACH as isize)[MARGIN - REACH..];
+        }
+        lines
+    }
+
+    /// Computes the shares of the correction, and whether there are any.
+    #[inline(always)]
+    fn shares(&mut self, padded: usize) -> Option<bool> {
+        let mut scratch = std::mem::take(self.scratch);
+        let lines = self.lines(1);
+        for at in (0..padded + LANES).step_by(LANES) {
+            let lines = down(&lines, at)?;
+            let all = Extremes::of(lines, lines, self.dark);
+            *values_mut(&mut scratch.brightest, at)? = all.brightest;
+            *values_mut(&mut scratch.darkest, at)? = all.darkest;
+        }
+        let mut any = [0u32; LANES];
+        for at in (0..padded).step_by(LANES) {
+            let all = Extremes::of(along(&scratch.brightest, at)?, along(&scratch.darkest, at)?, 0.0);
+            let shares = values_mut::<f32, LANES>(&mut scratch.shares, at)?;
+            for i in 0..LANES {
+                let contrast = all.brightest[i] / all.darkest[i];
+                let share = (contrast - CONTRASTS[0]) / (CONTRASTS[1] - CONTRASTS[0]);
+                shares[i] = less(more(share, 0.0), 1.0);
+                any[i] |= u32::from(share > 0.0);
+            }
+        }
+        *self.scratch = scratch;
+        Some(any.contains(&1))
+    }
+
+    /// Computes the means of every column.
+    #[inline(always)]
+    fn means(&mut self, padded: usize) -> Option<()> {
+        let mut scratch = std::mem::take(self.scratch);
+        for (plane, means) in scratch.means.iter_mut().enumerate() {
+            let lines = self.lines(plane);
+            for at in (0..padded + LANES).step_by(LANES) {
+                *values_mut(means, at)? = weighted(down(&lines, at)?);
+            }
+        }
+        let lines = self.lines(1);
+        for at in (0..padded + LANES).step_by(LANES) {
+            *values_mut(&mut scratch.near, at)? = nearest(down(&lines, at)?);
+        }
+        *self.scratch = scratch;
+        Some(())
+    }
+
+    /// Corrects the pixels whose share is above 0.
+    #[inline(always)]
+    fn correct(&mut self, cols: usize) -> Option<()> {
+        let scratch = &*self.scratch;
+        let [x, y, z] = &mut self.out;
+        for at in (0..cols).step_by(LANES) {
+            let shares = values::<f32, LANES>(&scratch.shares, at)?;
+            if !shares.iter().any(|share| *share > 0.0) {
+                continue;
+            }
+            let [mean_x, mean_y, mean_z] = &scratch.means;
+            let mean_y = weighted(along(mean_y, at)?);
+            let (mean_x, mean_z) = (weighted(along(mean_x, at)?), weighted(along(mean_z, at)?));
+            let near = nearest(along(&scratch.near, at)?);
+            let here = at..(at + LANES).min(cols);
+            for (i, col) in here.enumerate() {
+                let light = more(y[col], LEAST * more(near[i], 0.0));
+                let factor = light / more(mean_y[i], self.dark);
+                let goal = [more(mean_x[i], 0.0) * factor, light, more(mean_z[i], 0.0) * factor];
+                if shares[i] > 0.0 {
+                    for (own, goal) in [&mut x[col], &mut y[col], &mut z[col]].into_iter().zip(goal) {
+                        *own += shares[i] * (goal - *own);
+                    }
+                }
+            }
+        }
+        Some(())
+    }
+}
+
+impl Kernel for Row<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(mut self) {
+        let cols = self.out[1].len();
+        let padded = cols.next_multiple_of(LANES);
+        let Scratch { brightest, darkest, shares, means: [x, y, z], near } = &mut *self.scratch;
+        for plane in [brightest, darkest, shares, x, y, z, near] {
+            plane.resize(padded + LANES, 0.0);
+        }
+        if self.shares(padded) == Some(true) && self.means(padded).is_some() {
+            self.correct(cols);
+        }
+    }
+}

@@ -1,0 +1,138 @@
+//! The correction beside highlights, on pictures that no kernel has changed.
+
+use super::super::highlights::{CONTRASTS, REACH, correct};
+use super::super::strips::each_strip;
+use super::*;
+use crate::numeric::mirror::about_outermost;
+
+const DARK: f32 = 0.001;
+
+fn corrected(picture: &Planes) -> Planes {
+    let mut out = picture.clone();
+    each_strip(&mut out, REACH, |strip| correct(strip, DARK));
+    out
+}
+
+/// The definition, in double precision and pixel by pixel.
+fn definition(picture: &Planes, row: usize, col: usize) -> [f64; 3] {
+    let at = |plane: usize, down: isize, right: isize| {
+        let r = about_outermost(row as isize + down, picture.rows());
+        let c = about_outermost(col as isize + right, picture.cols());
+        f64::from(picture.data()[(plane * picture.rows() + r) * picture.cols() + c])
+    };
+    let around = || (-3..=3).flat_map(|r: isize| (-3..=3).map(move |c: isize| (r, c)));
+    let fall = |d: isize| 0.5f64.powi((d.abs() as i32 - 1).max(0));
+    let rise = |d: isize| 2f64.powi(d.abs() as i32);
+    let brightest = around().map(|(r, c)| at(1, r, c).max(0.0) * fall(r) * fall(c)).fold(0.0, f64::max);
+    let dark = |(r, c)| (at(1, r, c).max(0.0) + f64::from(DARK)) * rise(r) * rise(c);
+    let darkest = around().map(dark).fold(f64::INFINITY, f64::min);
+    let share = ((brightest / darkest - 8.0) / 24.0).clamp(0.0, 1.0);
+    let binomial = |d: isize| [20.0, 15.0, 6.0, 1.0][d.unsigned_abs()] / 64.0;
+    let mean = |plane| around().map(|(r, c)| binomial(r) * binomial(c) * at(plane, r, c)).sum::<f64>();
+    let near: f64 = (-1..=1)
+        .flat_map(|r: isize| (-1..=1).map(move |c: isize| (r, c)))
+        .map(|(r, c)| f64::from(1 << (2 - r.abs() - c.abs())) / 16.0 * at(1, r, c))
+        .sum();
+    let light = at(1, 0, 0).max(near.max(0.0) / 2.0);
+    let ratio = |plane| mean(plane).max(0.0) / mean(1).max(f64::from(DARK));
+    let goal = [ratio(0) * light, light, ratio(2) * light];
+    std::array::from_fn(|plane| at(plane, 0, 0) + share * (goal[plane] - at(plane, 0, 0)))
+}
+
+/// Dim colours with lamps, some of them on the border.
+fn lamps(rows: usize, cols: usize, seed: u64) -> Planes {
+    let mut random = Stream::new(seed, 2, 2);
+    let lit: Vec<f32> = (0..rows * cols)
+        .map(|_| if random.uniform() < 0.02 { 0.5 + random.uniform() as f32 } else { 0.01 })
+        .collect();
+    planes(rows, cols, |p, r, c| {
+        let colour = Stream::new(seed, (r * cols + c) as u32, 7 + p as u32).uniform() as f32;
+        lit[r * cols + c] * (0.5 + colour) - 0.002
+    })
+}
+
+#[test]
+fn the_correction_is_its_definition() {
+    for (rows, cols) in [(1, 1), (1, 9), (7, 1), (3, 4), (20, 21), (41, 130)] {
+        let picture = lamps(rows, cols, (rows * cols) as u64);
+        let (found, mut changed) = (corrected(&picture), 0);
+        for (r, c) in (0..rows).flat_map(|r| (0..cols).map(move |c| (r, c))) {
+            for (plane, expected) in definition(&picture, r, c).into_iter().enumerate() {
+                let at = (plane * rows + r) * cols + c;
+                let far = (f64::from(found.data()[at]) - expected).abs();
+                assert!(far < 1e-5 * (1.0 + expected.abs()), "{rows} × {cols}: {r} {c} {plane}: {far}");
+                changed += usize::from(found.data()[at] != picture.data()[at]);
+            }
+        }
+        assert!(rows * cols < 400 || changed > rows * cols / 4, "{changed}");
+    }
+}
+
+#[test]
+fn what_has_less_contrast_keeps_its_bits() {
+    let picture = planes(60, 70, |p, r, c| {
+        let step = Stream::new(3, (r * 70 + c) as u32, p as u32).uniform() as f32;
+        0.1 + 0.99 * (0.1 * CONTRASTS[0] - 0.1) * step
+    });
+    assert_eq!(corrected(&picture), picture);
+}
+
+/// Around a lamp on a dim wall, errors of a few percent of its brightness that alternate between X and Z from pixel to pixel make coloured and
+/// black dots. The lamp and its surroundings have the same colour, and after the correction nearly do.
+#[test]
+fn a_lamp_has_neither_coloured_nor_dark_dots() {
+    let far = |r: usize, c: usize| ((r as f32 - 20.0).powi(2) + (c as f32 - 20.0).powi(2)).sqrt();
+    let light = |r, c| if far(r, c) < 4.0 { 1.0 } else { 0.01 };
+    let picture = planes(41, 41, |p, r, c| {
+        let sign = if (r + c) % 2 == 0 { 1.0 } else { -1.0 };
+        let error = if far(r, c) < 6.0 { 0.02 * sign * [1.0, 0.6, -1.0][p] } else { 0.0 };
+        light(r, c) + error
+    });
+    let worst = |picture: &Planes| {
+        let (mut chroma, mut least) = (0.0f32, f32::INFINITY);
+        for (r, c) in (0..41).flat_map(|r| (0..41).map(move |c| (r, c))) {
+            let [x, y, z] = [0, 1, 2].map(|p| picture.data()[(p * 41 + r) * 41 + c]);
+            chroma = chroma.max((x - y).abs().max((z - y).abs()) / light(r, c));
+            least = least.min(y / light(r, c));
+        }
+        [chroma, least]
+    };
+    let [before, after] = [worst(&picture), worst(&corrected(&picture))];
+    assert!(before[0] > 3.0 && before[1] < 0.0, "{before:?}");
+    assert!(after[0] < 0.15 && after[1] > 0.3, "{after:?}");
+}
+
+/// Strips, the instruction set and the number of threads change no bit.
+#[test]
+fn no_bit_depends_on_strips_or_the_machine() {
+    let (rows, cols) = (1060, 1000);
+    let picture = lamps(rows, cols, 5);
+    let whole = corrected(&picture);
+    let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    assert_eq!(one.install(|| corrected(&picture)), whole);
+    for set in [Set::Plain, Set::Avx2] {
+        assert_eq!(with_widest(set, || corrected(&picture)), whole, "{set:?}");
+    }
+}
+
+/// Integers correct as single precision does, to 100 dB of the peak.
+#[test]
+fn integers_correct_as_single_precision_does() {
+    let axes = RefinementAxes::new(axes().levels().clone(), [DARK * DARK, 1e-4, 0.0]).unwrap();
+    let classes = vec![RefinementClass { count: 0, is_learned: false }; axes.count()];
+    let mut weights = vec![0.0; axes.count() * 3 * REFINEMENT_INPUTS];
+    for class in weights.chunks_exact_mut(3 * REFINEMENT_INPUTS) {
+        for (output, own) in super::super::inputs::OWN.into_iter().enumerate() {
+            class[output * REFINEMENT_INPUTS + own] = 1.0;
+        }
+    }
+    let offsets = vec![0.0; axes.count() * 3];
+    let stage = Refinement::new(axes, classes, weights, offsets).unwrap();
+    let picture = lamps(60, 61, 8);
+    let (mut float, mut integers) = (picture.clone(), picture.clone());
+    stage.apply(&mut float).unwrap();
+    assert_eq!(float, corrected(&picture));
+    stage.fixed().unwrap().apply_to(&mut integers);
+    let db = crate::l3::peak_ratio_db(&float, &integers).unwrap();
+    assert!(db > 100.0, "{db}");
+}
