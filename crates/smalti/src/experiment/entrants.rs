@@ -57,6 +57,7 @@ type Array<'a> = (usize, &'a [u8], &'a [Channel]);
 struct ScoresKey<'a> {
     smalti_version: &'a str,
     l3_revision: u32,
+    refinement_revisions: [u32; 2],
     training_set_revision: u32,
     stored_scenes: Vec<&'a str>,
     camera: &'a CameraDescription,
@@ -104,6 +105,7 @@ fn key(
     stable_text(&ScoresKey {
         smalti_version: env!("CARGO_PKG_VERSION"),
         l3_revision: l3::REVISION,
+        refinement_revisions: [l3::REFINEMENT_REVISION, l3::REFINEMENT_RENDERING_REVISION],
         training_set_revision: TRAINING_SET_REVISION,
         stored_scenes: stored.names(),
         camera: entrant.camera.description(),

@@ -137,7 +137,7 @@ impl Header<'_> {
         self.define("INPUTS", REFINEMENT_INPUTS, "of a pixel");
         self.define("PLACES", FixedRefinement::PLACES, "binary places of pictures");
         self.define("MOST", FixedRefinement::MOST, "where they saturate");
-        self.define("DARK", fixed.dark, "added to darkness before the contrast is taken");
+        self.define("DARK", fixed.dark, "noise at Y = 0, added to dark pixels in the contrast");
         self.define(
             "TENSOR_SHIFT",
             FixedRefinement::TENSOR_SHIFT,

@@ -39,7 +39,7 @@ impl Header<'_> {
         self.define(
             "CORRECTED_REACH",
             REFINEMENT_CORRECTED_REACH,
-            "rows around a pixel of the refined picture on which its correction depends",
+            "rows around a pixel of the refined picture that its correction reads",
         );
         self.define(
             "WORK(cols)",
@@ -79,5 +79,6 @@ fn work(refinement: &Refinement) -> (usize, usize) {
     let kept = |is_half: bool| -> usize {
         pictures.iter().filter(|p| p.is_half == is_half).map(|p| OUTPUTS * p.kept).sum()
     };
+    const { assert!(REFINEMENT_CORRECTED_REACH == 3, "the C code has weights of three distances") }
     (kept(false) + OUTPUTS * (2 * REFINEMENT_CORRECTED_REACH + 1), kept(true))
 }

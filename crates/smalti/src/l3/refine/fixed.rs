@@ -33,7 +33,7 @@ const MAX_SHIFT: u8 = 24;
 const TENT: [i64; 5] = [1, 2, 3, 2, 1];
 /// The tangent of 22.5° in 2⁻¹⁵.
 const TANGENT: i64 = 13_573;
-/// By how many bits less light at a distance along a row or a column counts in the contrast, and by how many bits brighter a dark pixel counts.
+/// Right shifts of Y and left shifts of Y and noise in the contrast, by distance along a row or a column.
 const LIGHT: [u32; 1 + highlights::REACH] = [0, 0, 1, 2];
 const DARKNESS: [u32; 1 + highlights::REACH] = [0, 1, 2, 3];
 /// Weights of the mean colour at a distance; along a row or a column they sum to 64.
@@ -68,7 +68,7 @@ pub struct FixedRefinement {
     /// For each picture, 2⁴⁰ times the squared difference of colours beyond which neighbours do not count (X² + 2 Y² + Z²), of Y. All zeros for
     /// pictures that are not averaged.
     pub squares: [Polynomial; PICTURES],
-    /// What is added to darkness before the contrast is taken: 2²⁰ times the deviation of dark samples, at least 1.
+    /// What is added to the Y of dark pixels in the contrast: 2²⁰ times the standard deviation of the noise of a sample at Y = 0, at least 1.
     pub dark: i64,
     /// Red, green and blue of the roots from X, Y, Z, with 30 binary places.
     pub rgb_from_xyz: [[i64; 3]; 3],
@@ -281,11 +281,11 @@ impl FixedRefinement {
             let at = move |r: isize, c: isize| i64::from(refined.at(row + r, col + c)[plane]);
             (-reach..=reach).flat_map(move |r| (-reach..=reach).map(move |c| (r, c, at(r, c))))
         };
-        let bits = |of: &[u32; 1 + highlights::REACH], r: isize, c: isize| {
+        let shift = |of: &[u32; 1 + highlights::REACH], r: isize, c: isize| {
             of[r.unsigned_abs()] + of[c.unsigned_abs()]
         };
-        let brightest = around(1).map(|(r, c, y)| y.max(0) >> bits(&LIGHT, r, c)).max().unwrap_or(0);
-        let dark = |(r, c, y): (isize, isize, i64)| (y.max(0) + self.dark) << bits(&DARKNESS, r, c);
+        let brightest = around(1).map(|(r, c, y)| y.max(0) >> shift(&LIGHT, r, c)).max().unwrap_or(0);
+        let dark = |(r, c, y): (isize, isize, i64)| (y.max(0) + self.dark) << shift(&DARKNESS, r, c);
         let darkest = around(1).map(dark).min().unwrap_or(1);
         let beyond = brightest - FROM * darkest;
         if beyond <= 0 {

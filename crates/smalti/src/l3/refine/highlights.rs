@@ -1,7 +1,7 @@
 //! Correction of pixels beside light that is many times as bright.
 //!
 //! Near a lamp, what a mosaic does not resolve of its edge is wrong by a few percent of its brightness, in other colours at every pixel: more than
-//! the light of its surroundings. Where the contrast of Y around a pixel is beyond that of surfaces in the same light, the pixel has the
+//! the light of its surroundings. Where Y around a pixel has such a contrast, the pixel has the
 //! mean colour of the light around it instead, and at least half of the mean Y of its neighbours.
 
 use super::super::blocks::{LANES, values, values_mut};
@@ -12,11 +12,11 @@ use crate::numeric::simd::{Kernel, dispatch};
 /// Distance of the farthest row and column on which a pixel depends.
 pub(super) const REACH: usize = 3;
 const SIDE: usize = 2 * REACH + 1;
-/// What light at a distance along a row or a column counts in the contrast.
+/// Weights of light in the contrast by distance along a row or a column; in both directions they are multiplied.
 const LIGHT: [f32; SIDE] = [0.25, 0.5, 1.0, 1.0, 1.0, 0.5, 0.25];
-/// How many times as bright a dark pixel at a distance counts.
+/// Factors of the Y of dark pixels in the contrast by distance.
 const DARKNESS: [f32; SIDE] = [8.0, 4.0, 2.0, 1.0, 2.0, 4.0, 8.0];
-/// The contrast at which the correction begins, and the contrast at which it is complete. White paper is about 20 times as bright as black ink.
+/// The contrast at which the correction begins, and the contrast at which it is complete.
 pub(super) const CONTRASTS: [f32; 2] = [8.0, 32.0];
 /// Binomial weights of the mean colour, along rows and along columns.
 const WEIGHTS: [f32; SIDE] =
@@ -24,7 +24,7 @@ const WEIGHTS: [f32; SIDE] =
 /// Least Y of a corrected pixel, relative to the mean of 3 × 3 pixels with binomial weights.
 const LEAST: f32 = 0.5;
 
-/// Corrects a strip. `dark` is the standard deviation of the noise of a sample at Y = 0, which is added to what is dark.
+/// Corrects a strip. `dark` is the standard deviation of the noise of a sample at Y = 0, which is added to the Y of dark pixels.
 pub(super) fn correct(mut strip: Strip<'_>, dark: f32) {
     let [rows, cols] = strip.size;
     let mut picture = Padded::keeping(SIDE, rows, cols);
@@ -56,14 +56,16 @@ struct Scratch {
 
 type Vector = [f32; LANES];
 
+/// The greater number; `a` if `b` is none.
 #[inline(always)]
-fn more(a: f32, b: f32) -> f32 {
-    if a > b { a } else { b }
+fn greater(a: f32, b: f32) -> f32 {
+    if b > a { b } else { a }
 }
 
+/// The lesser number; `a` if `b` is none.
 #[inline(always)]
-fn less(a: f32, b: f32) -> f32 {
-    if a < b { a } else { b }
+fn lesser(a: f32, b: f32) -> f32 {
+    if b < a { b } else { a }
 }
 
 /// The brightest and the darkest pixel of a line, at several places.
@@ -79,8 +81,9 @@ impl Extremes {
         let mut all = Self { brightest: [0.0; LANES], darkest: [f32::INFINITY; LANES] };
         for at in 0..SIDE {
             for i in 0..LANES {
-                all.brightest[i] = more(all.brightest[i], light[at][i] * LIGHT[at]);
-                all.darkest[i] = less(all.darkest[i], (more(darkness[at][i], 0.0) + dark) * DARKNESS[at]);
+                all.brightest[i] = greater(all.brightest[i], light[at][i] * LIGHT[at]);
+                all.darkest[i] =
+                    lesser(all.darkest[i], (greater(0.0, darkness[at][i]) + dark) * DARKNESS[at]);
             }
         }
         all
@@ -166,7 +169,7 @@ impl Row<'_> {
             for i in 0..LANES {
                 let contrast = all.brightest[i] / all.darkest[i];
                 let share = (contrast - CONTRASTS[0]) / (CONTRASTS[1] - CONTRASTS[0]);
-                shares[i] = less(more(share, 0.0), 1.0);
+                shares[i] = lesser(greater(share, 0.0), 1.0);
                 any[i] |= u32::from(share > 0.0);
             }
         }
@@ -208,9 +211,9 @@ impl Row<'_> {
             let near = nearest(along(&scratch.near, at)?);
             let here = at..(at + LANES).min(cols);
             for (i, col) in here.enumerate() {
-                let light = more(y[col], LEAST * more(near[i], 0.0));
-                let factor = light / more(mean_y[i], self.dark);
-                let goal = [more(mean_x[i], 0.0) * factor, light, more(mean_z[i], 0.0) * factor];
+                let light = greater(y[col], LEAST * greater(near[i], 0.0));
+                let factor = light / greater(mean_y[i], self.dark);
+                let goal = [greater(mean_x[i], 0.0) * factor, light, greater(mean_z[i], 0.0) * factor];
                 if shares[i] > 0.0 {
                     for (own, goal) in [&mut x[col], &mut y[col], &mut z[col]].into_iter().zip(goal) {
                         *own += shares[i] * (goal - *own);

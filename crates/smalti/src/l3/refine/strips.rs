@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use super::inputs::OUTPUTS;
 use crate::numeric::{Planes, bands_of};
 
-/// Least pixels of a strip. What its outputs depend on of a few rows beyond it is computed again.
+/// Least pixels of a strip, for which what a few rows beyond it need is computed again.
 const STRIP_PIXELS: usize = 1 << 19;
 
 /// Changes a picture of X, Y and Z in place. What `change` writes into a row of a strip may depend on `reach` rows around it.
@@ -62,7 +62,7 @@ pub(super) struct Strip<'a> {
 }
 
 impl Strip<'_> {
-    /// X, Y and Z of a row of the strip or beyond it.
+    /// X, Y and Z of a row of the strip that is not changed yet, or of a row beyond it.
     pub(super) fn line(&self, row: usize) -> [&[f32]; OUTPUTS] {
         let [above, below] = &self.beyond;
         let (beyond, [_, cols]) = (if row < self.rows.start { above } else { below }, self.size);

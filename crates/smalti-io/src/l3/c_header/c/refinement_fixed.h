@@ -176,9 +176,9 @@ static inline void @p@_refined_pixel(const @p@_picture pictures[@P@_PICTURES], i
    at least half of the mean Y of its neighbours. */
 static inline void @p@_corrected(const @p@_picture *p, int32_t row, int32_t col, int32_t out[3])
 {
-    /* By how many bits less light at a distance counts, and by how many bits brighter a dark pixel; weights of colours, 64 along a line. */
+    /* By distance: right shifts of Y and left shifts of Y and noise in the contrast, and weights of colours, 64 along a line. */
     static const int8_t light_bits[4] = { 0, 0, 1, 2 }, dark_bits[4] = { 0, 1, 2, 3 }, weights[4] = { 20, 15, 6, 1 };
-    int64_t brightest = 0, darkest = INT64_MAX, sums[3] = { 0, 0, 0 }, near = 0, share, light, total, goal[3];
+    int64_t brightest = 0, darkest = INT64_MAX, sums[3] = { 0, 0, 0 }, nearby = 0, share, light, total, goal[3];
     int32_t r, c, plane;
     for (r = -3; r <= 3; r++)
         for (c = -3; c <= 3; c++) {
@@ -201,10 +201,10 @@ static inline void @p@_corrected(const @p@_picture *p, int32_t row, int32_t col,
             for (plane = 0; plane < 3; plane++)
                 sums[plane] += (int64_t)(weights[down] * weights[right]) * @p@_at(p, plane, row + r, col + c);
             if (down <= 1 && right <= 1)
-                near += (int64_t)((2 - down) * (2 - right)) * @p@_at(p, 1, row + r, col + c);
+                nearby += (int64_t)((2 - down) * (2 - right)) * @p@_at(p, 1, row + r, col + c);
         }
-    near = @p@_rounded(near > 0 ? near : 0, 4);
-    light = out[1] > near >> 1 ? out[1] : near >> 1;
+    nearby = @p@_rounded(nearby > 0 ? nearby : 0, 4);
+    light = out[1] > nearby >> 1 ? out[1] : nearby >> 1;
     total = (int64_t)@P@_DARK << 12;
     total = sums[1] > total ? sums[1] : total;
     for (plane = 0; plane < 3; plane++)

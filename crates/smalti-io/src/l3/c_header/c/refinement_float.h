@@ -142,9 +142,9 @@ static inline float @p@_weighted(const float v[7])
    at least half of the mean Y of its neighbours. */
 static inline void @p@_corrected(const @p@_picture *p, int32_t row, int32_t col, float out[3])
 {
-    /* What light at a distance counts, and how many times as bright a dark pixel. */
+    /* Weights of light and factors of dark pixels in the contrast, by distance. */
     static const float lights[4] = { 1.0f, 1.0f, 0.5f, 0.25f }, darks[4] = { 1.0f, 2.0f, 4.0f, 8.0f };
-    float brightest = 0.0f, darkest = 0.0f, means[3], lines[7], columns[7], near, light, share, factor;
+    float brightest = 0.0f, darkest = 0.0f, means[3], lines[7], columns[7], nearby, light, share, factor;
     int32_t r, c, plane;
     for (r = -3; r <= 3; r++)
         for (c = -3; c <= 3; c++) {
@@ -172,12 +172,12 @@ static inline void @p@_corrected(const @p@_picture *p, int32_t row, int32_t col,
     for (c = -1; c <= 1; c++)
         columns[c + 1] = (@p@_at(p, 1, row - 1, col + c) + @p@_at(p, 1, row + 1, col + c)
                           + 2.0f * @p@_at(p, 1, row, col + c)) * 0.25f;
-    near = (columns[0] + columns[2] + 2.0f * columns[1]) * 0.25f;
-    near = near > 0.0f ? near : 0.0f;
-    light = out[1] > 0.5f * near ? out[1] : 0.5f * near;
-    factor = light / (means[1] > @P@_DARK ? means[1] : @P@_DARK);
+    nearby = (columns[0] + columns[2] + 2.0f * columns[1]) * 0.25f;
+    nearby = nearby > 0.0f ? nearby : 0.0f;
+    light = out[1] > 0.5f * nearby ? out[1] : 0.5f * nearby;
+    factor = light / (means[1] < @P@_DARK ? @P@_DARK : means[1]);
     for (plane = 0; plane < 3; plane++) {
-        const float goal = plane == 1 ? light : (means[plane] > 0.0f ? means[plane] : 0.0f) * factor;
+        const float goal = plane == 1 ? light : (means[plane] < 0.0f ? 0.0f : means[plane]) * factor;
         out[plane] += share * (goal - out[plane]);
     }
 }
