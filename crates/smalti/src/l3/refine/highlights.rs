@@ -1,11 +1,11 @@
 //! Correction of pixels beside light that is many times as bright.
 //!
 //! Near a lamp, what a mosaic does not resolve of its edge is wrong by a few percent of its brightness, in other colours at every pixel: more than
-//! the light of its surroundings. Where Y around a pixel has such a contrast, the pixel has the
-//! mean colour of the light around it instead, and at least half of the mean Y of its neighbours.
+//! the light of its surroundings. Where Y around a pixel has such a contrast, the pixel has the mean colour of the light
+//! around it instead, and at least half of the mean Y of its neighbours.
 
 use super::super::blocks::{LANES, values, values_mut};
-use super::stages::{MARGIN, Padded, copy_row};
+use super::stages::{MARGIN, Padded, Vector, copy_row};
 use super::strips::Strip;
 use crate::numeric::simd::{Kernel, dispatch};
 
@@ -53,8 +53,6 @@ struct Scratch {
     means: [Vec<f32>; 3],
     near: Vec<f32>,
 }
-
-type Vector = [f32; LANES];
 
 /// The greater number; `a` if `b` is none.
 #[inline(always)]
@@ -140,13 +138,13 @@ struct Row<'a> {
     out: [&'a mut [f32]; 3],
 }
 
-impl Row<'_> {
+impl<'a> Row<'a> {
     /// The rows around this one, of a plane, from [`REACH`] columns before the first on.
     #[inline(always)]
-    fn lines(&self, plane: usize) -> [&[f32]; SIDE] {
-        let mut lines = [&[] as &[f32]; SIDE];
+    fn lines(&self, plane: usize) -> [&'a [f32]; SIDE] {
+        let (picture, mut lines) = (self.picture, [&[] as &[f32]; SIDE]);
         for (down, line) in lines.iter_mut().enumerate() {
-            *line = &self.picture.line(plane, (self.row + down) as isize - REACH as isize)[MARGIN - REACH..];
+            *line = &picture.line(plane, (self.row + down) as isize - REACH as isize)[MARGIN - REACH..];
         }
         lines
     }
@@ -154,8 +152,7 @@ impl Row<'_> {
     /// Computes the shares of the correction, and whether there are any.
     #[inline(always)]
     fn shares(&mut self, padded: usize) -> Option<bool> {
-        let mut scratch = std::mem::take(self.scratch);
-        let lines = self.lines(1);
+        let (lines, scratch) = (self.lines(1), &mut *self.scratch);
         for at in (0..padded + LANES).step_by(LANES) {
             let lines = down(&lines, at)?;
             let all = Extremes::of(lines, lines, self.dark);
@@ -173,25 +170,21 @@ impl Row<'_> {
                 any[i] |= u32::from(share > 0.0);
             }
         }
-        *self.scratch = scratch;
         Some(any.contains(&1))
     }
 
     /// Computes the means of every column.
     #[inline(always)]
     fn means(&mut self, padded: usize) -> Option<()> {
-        let mut scratch = std::mem::take(self.scratch);
-        for (plane, means) in scratch.means.iter_mut().enumerate() {
-            let lines = self.lines(plane);
+        let lines = [self.lines(0), self.lines(1), self.lines(2)];
+        for (lines, means) in lines.iter().zip(&mut self.scratch.means) {
             for at in (0..padded + LANES).step_by(LANES) {
-                *values_mut(means, at)? = weighted(down(&lines, at)?);
+                *values_mut(means, at)? = weighted(down(lines, at)?);
             }
         }
-        let lines = self.lines(1);
         for at in (0..padded + LANES).step_by(LANES) {
-            *values_mut(&mut scratch.near, at)? = nearest(down(&lines, at)?);
+            *values_mut(&mut self.scratch.near, at)? = nearest(down(&lines[1], at)?);
         }
-        *self.scratch = scratch;
         Some(())
     }
 

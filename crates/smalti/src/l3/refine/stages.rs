@@ -279,7 +279,8 @@ struct Smoothing<'a> {
     planes: [&'a mut [f32]; 3],
 }
 
-type Vector = [f32; LANES];
+/// Values of neighbouring columns.
+pub(super) type Vector = [f32; LANES];
 
 /// The three vectors of neighbours in a line: to the left, in the middle, to the right.
 #[inline(always)]
