@@ -9,7 +9,7 @@ use crate::color::scielab::Scielab;
 use crate::color::{DeltaE, DifferenceMap, Image, difference};
 use crate::metrics::psnr::psnr;
 use crate::metrics::{MetricError, Rect};
-use crate::numeric::Planes;
+use crate::numeric::{Planes, ShapeError};
 
 /// Viewing conditions of the scores.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -215,17 +215,44 @@ fn at_share(values: &mut [f32], share: f64) -> f32 {
 /// A picture clipped at white: Y is limited to `white_y` and the chromaticity kept.
 fn clipped_at_white(picture: &Image, white_y: f64) -> Result<Image, CameraError> {
     let mut planes = picture.planes().clone();
-    limit_brightness(&mut planes, white_y as f32, picture.channels()[LUMINANCE]);
+    limit_brightness(&mut planes, white_y as f32, Brightness::Plane(LUMINANCE))?;
     Ok(Image::new(picture.space(), planes)?)
 }
 
+/// What the brightness of a pixel is.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Brightness {
+    /// The value of one plane.
+    Plane(usize),
+    /// The largest value of all planes, at least 0.
+    Largest,
+}
+
 /// Scales the planes at every pixel whose brightness exceeds `limit` down to it, which keeps their ratios.
-pub(crate) fn limit_brightness(planes: &mut Planes, limit: f32, brightness: &[f32]) {
-    let bright = brightness.iter().enumerate().filter(|(_, b)| **b > limit);
-    let factors: Vec<(usize, f32)> = bright.map(|(i, b)| (i, limit / b)).collect();
+///
+/// # Errors
+/// When there is no such plane.
+pub(crate) fn limit_brightness(
+    planes: &mut Planes,
+    limit: f32,
+    brightness: Brightness,
+) -> Result<(), ShapeError> {
+    let mut factors = match brightness {
+        Brightness::Plane(index) => planes.plane(index)?.to_vec(),
+        Brightness::Largest => {
+            let mut largest = vec![0.0f32; planes.plane_len()];
+            for plane in planes.planes() {
+                largest.iter_mut().zip(plane).for_each(|(l, v)| *l = l.max(*v));
+            }
+            largest
+        }
+    };
+    // A factor of 1 keeps the bits, so that no pixel is a case of its own and the loops are vector code.
+    factors.iter_mut().for_each(|b| *b = if *b > limit { limit / *b } else { 1.0 });
     for plane in planes.planes_mut() {
-        factors.iter().for_each(|&(i, factor)| plane[i] *= factor);
+        plane.iter_mut().zip(&factors).for_each(|(v, factor)| *v *= factor);
     }
+    Ok(())
 }
 
 #[cfg(test)]

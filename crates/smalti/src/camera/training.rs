@@ -2,7 +2,7 @@
 
 use super::chart::LUMINANCE;
 use super::reference::Witness;
-use super::score::limit_brightness;
+use super::score::{Brightness, limit_brightness};
 use super::{Camera, CameraError, LevelRule, TrainingSettings, TrainingTarget};
 use crate::isp::IspError;
 use crate::l3::{Axes, L3Error, Learner, Levels, Pair, RefinementAxes, Share, Statistics, Tiles};
@@ -413,16 +413,10 @@ fn default_exposures(knowable: f64, least: f64) -> Vec<f64> {
 /// the raw image cannot determine would distort the kernels of their classes.
 fn bounded(mut target: Planes, kind: &TrainingTarget, most: f64) -> Result<Planes, CameraError> {
     let brightness = match kind {
-        TrainingTarget::Xyz => target.plane(LUMINANCE)?.to_vec(),
-        TrainingTarget::Channels(_) => {
-            let mut largest = vec![0.0f32; target.plane_len()];
-            for plane in target.planes() {
-                largest.iter_mut().zip(plane).for_each(|(l, v)| *l = l.max(*v));
-            }
-            largest
-        }
+        TrainingTarget::Xyz => Brightness::Plane(LUMINANCE),
+        TrainingTarget::Channels(_) => Brightness::Largest,
     };
-    limit_brightness(&mut target, most as f32, &brightness);
+    limit_brightness(&mut target, most as f32, brightness)?;
     Ok(target)
 }
 

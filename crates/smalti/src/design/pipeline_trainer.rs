@@ -15,7 +15,7 @@ use super::targets::Targets;
 use super::training_data::{ExposedDesign, LevelCuts, SURFACE_PATCHES, Surface, TrainingData, TrainingLight};
 use super::training_scene;
 use crate::camera::chart::LUMINANCE;
-use crate::camera::score::limit_brightness;
+use crate::camera::score::{Brightness, limit_brightness};
 use crate::camera::stable_text::stable_text;
 use crate::camera::{Camera, CameraError, HIGHEST_CUT, OpticalImages};
 use crate::l3::{EvenField, Pair, Pipeline, Statistics, Training};
@@ -197,8 +197,7 @@ impl PipelineTrainer {
             let seen = camera.sensor.capture((&rates, 1.0), &exposure, NoiseMode::All, seed)?;
             let mut target = Planes::clone(&data.seen);
             target.data_mut().iter_mut().for_each(|v| *v *= (scale * factor) as f32);
-            let brightness = target.plane(LUMINANCE)?.to_vec();
-            limit_brightness(&mut target, from.most as f32, &brightness);
+            limit_brightness(&mut target, from.most as f32, Brightness::Plane(LUMINANCE))?;
             statistics.add(&Pair { raw: &raw, seen: Some(&seen), target: &target })?;
             let exposed = |(samples, xyz, times): &(Vec<f64>, &[f64; 3], u32)| {
                 let bright = (full * factor).min(from.most / xyz[LUMINANCE]);
