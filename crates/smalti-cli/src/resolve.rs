@@ -6,12 +6,12 @@ use anyhow::{Context, bail};
 use smalti::camera::Camera;
 use smalti::experiment::light_notes;
 use smalti::l3::Pipeline;
-use smalti::scene::Scene;
-use smalti::spectrum::{Illuminant, WavelengthGrid};
+use smalti::scene::{Scene, SceneError};
+use smalti::spectrum::{Illuminant, SpectrumError, WavelengthGrid};
 use smalti_io::cache::Cache;
 use smalti_io::cameras::LoadedCamera;
 pub(crate) use smalti_io::scene_file::is_meant as is_file;
-use smalti_io::{ReadOptions, SceneRequest, cameras, lights, scenes};
+use smalti_io::{ContentError, IoError, ReadOptions, SceneRequest, cameras, lights, scenes};
 use smalti_report::comparison::{CameraArgument, CommandLine};
 
 use crate::args::{CameraOptions, Common};
@@ -172,7 +172,29 @@ pub(crate) fn scene_for(
 ) -> anyhow::Result<Scene> {
     let given = options.wavelengths.as_deref().map(wavelengths).transpose()?;
     let stated = camera.description().wavelengths_nm.map(|_| camera.grid());
-    scene_on(name, options, given.or(stated), common)
+    let scene = scene_on(name, options, given.or(stated), common);
+    scene.map_err(|error| match (given, stated) {
+        (None, Some(grid)) => with_common_wavelengths(error, grid),
+        _ => error,
+    })
+}
+
+/// The error about a scene that lacks wavelengths of a camera, with the option that leaves them out.
+fn with_common_wavelengths(error: anyhow::Error, of_camera: WavelengthGrid) -> anyhow::Error {
+    let Some(IoError::Content { source, .. }) = error.downcast_ref() else { return error };
+    let (ContentError::Spectrum(spectra) | ContentError::Scene(SceneError::Spectrum(spectra))) = source
+    else {
+        return error;
+    };
+    let &SpectrumError::Coverage { have_start_nm, have_end_nm, .. } = spectra else { return error };
+    let [start, end] = [of_camera.start_nm().max(have_start_nm), of_camera.end_nm().min(have_end_nm)];
+    let step = of_camera.step_nm();
+    if start >= end {
+        return error;
+    }
+    error.context(format!(
+        "the camera sees light that the scene lacks; --wavelengths {start}:{step}:{end} leaves it out"
+    ))
 }
 
 /// The options of reading a file.
