@@ -295,9 +295,8 @@ impl FixedRefinement {
         let weight = |r: isize, c: isize| BINOMIAL[r.unsigned_abs()] * BINOMIAL[c.unsigned_abs()];
         let [x, y, z] = [0, 1, 2].map(|plane| around(plane).map(|(r, c, v)| weight(r, c) * v).sum::<i64>());
         let is_near = |r: isize, c: isize| r.abs() <= 1 && c.abs() <= 1;
-        let near: i64 =
-            around(1).filter(|&(r, c, _)| is_near(r, c)).map(|(r, c, y)| y << (2 - r.abs() - c.abs())).sum();
-        let near = rounded(near.max(0), 4);
+        let near = around(1).filter(|&(r, c, _)| is_near(r, c));
+        let near = rounded(near.map(|(r, c, y)| y.max(0) << (2 - r.abs() - c.abs())).sum(), 4);
         let light = i64::from(own[1]).max(near >> 1);
         // The weights sum to 2¹².
         let total = y.max(self.dark << 12);

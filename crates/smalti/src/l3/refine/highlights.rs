@@ -2,7 +2,7 @@
 //!
 //! Near a lamp, what a mosaic does not resolve of its edge is wrong by a few percent of its brightness, in other colours at every pixel: more than
 //! the light of its surroundings. Where Y around a pixel has such a contrast, the pixel has the mean colour of the light
-//! around it instead, and at least half of the mean Y of its neighbours.
+//! around it instead, and at least half of the mean Y of its neighbours, of which negative ones count as 0.
 
 use super::super::blocks::{LANES, values, values_mut};
 use super::stages::{MARGIN, Padded, Vector, copy_row};
@@ -102,13 +102,14 @@ fn weighted(lines: [&Vector; SIDE]) -> Vector {
     means
 }
 
-/// Means with weights 1, 2, 1 of the three lines in the middle.
+/// Means with weights 1, 2, 1 of the three lines in the middle, of which negative values count as 0: they would cancel the light of a lamp's
+/// neighbours.
 #[inline(always)]
 fn nearest(lines: [&Vector; SIDE]) -> Vector {
-    let [_, _, before, own, after, _, _] = lines;
     let mut means = [0.0; LANES];
-    for i in 0..LANES {
-        means[i] = (before[i] + after[i] + 2.0 * own[i]) * 0.25;
+    for (i, mean) in means.iter_mut().enumerate() {
+        let [_, _, before, own, after, _, _] = lines.map(|line| greater(0.0, line[i]));
+        *mean = (before + after + 2.0 * own) * 0.25;
     }
     means
 }
@@ -204,7 +205,7 @@ impl<'a> Row<'a> {
             let near = nearest(along(&scratch.near, at)?);
             let here = at..(at + LANES).min(cols);
             for (i, col) in here.enumerate() {
-                let light = greater(y[col], LEAST * greater(near[i], 0.0));
+                let light = greater(y[col], LEAST * near[i]);
                 let factor = light / greater(mean_y[i], self.dark);
                 let goal = [greater(mean_x[i], 0.0) * factor, light, greater(mean_z[i], 0.0) * factor];
                 if shares[i] > 0.0 {

@@ -27,3 +27,10 @@ static inline @number@ @p@_at(const @p@_picture *p, int32_t plane, int32_t row, 
 {
     return @p@_line(p, plane, row)[@p@_mirrored(col, p->cols)];
 }
+
+/* A sample of Y, of which negative ones count as 0. */
+static inline @number@ @p@_light(const @p@_picture *p, int32_t row, int32_t col)
+{
+    const @number@ y = @p@_at(p, 1, row, col);
+    return y > 0 ? y : 0;
+}

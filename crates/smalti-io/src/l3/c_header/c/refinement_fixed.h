@@ -182,9 +182,9 @@ static inline void @p@_corrected(const @p@_picture *p, int32_t row, int32_t col,
     int32_t r, c, plane;
     for (r = -3; r <= 3; r++)
         for (c = -3; c <= 3; c++) {
-            const int32_t y = @p@_at(p, 1, row + r, col + c), down = r < 0 ? -r : r, right = c < 0 ? -c : c;
-            const int64_t lit = (y > 0 ? y : 0) >> (light_bits[down] + light_bits[right]);
-            const int64_t dark = ((int64_t)(y > 0 ? y : 0) + @P@_DARK) << (dark_bits[down] + dark_bits[right]);
+            const int32_t down = r < 0 ? -r : r, right = c < 0 ? -c : c;
+            const int64_t y = @p@_light(p, row + r, col + c), lit = y >> (light_bits[down] + light_bits[right]);
+            const int64_t dark = (y + @P@_DARK) << (dark_bits[down] + dark_bits[right]);
             brightest = lit > brightest ? lit : brightest;
             darkest = dark < darkest ? dark : darkest;
         }
@@ -201,9 +201,9 @@ static inline void @p@_corrected(const @p@_picture *p, int32_t row, int32_t col,
             for (plane = 0; plane < 3; plane++)
                 sums[plane] += (int64_t)(weights[down] * weights[right]) * @p@_at(p, plane, row + r, col + c);
             if (down <= 1 && right <= 1)
-                nearby += (int64_t)((2 - down) * (2 - right)) * @p@_at(p, 1, row + r, col + c);
+                nearby += (int64_t)((2 - down) * (2 - right)) * @p@_light(p, row + r, col + c);
         }
-    nearby = @p@_rounded(nearby > 0 ? nearby : 0, 4);
+    nearby = @p@_rounded(nearby, 4);
     light = out[1] > nearby >> 1 ? out[1] : nearby >> 1;
     total = (int64_t)@P@_DARK << 12;
     total = sums[1] > total ? sums[1] : total;

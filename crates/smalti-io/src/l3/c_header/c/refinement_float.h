@@ -149,9 +149,8 @@ static inline void @p@_corrected(const @p@_picture *p, int32_t row, int32_t col,
     for (r = -3; r <= 3; r++)
         for (c = -3; c <= 3; c++) {
             const int32_t down = r < 0 ? -r : r, right = c < 0 ? -c : c;
-            const float y = @p@_at(p, 1, row + r, col + c), positive = y > 0.0f ? y : 0.0f;
-            const float lit = positive * lights[down] * lights[right];
-            const float dark = (positive + @P@_DARK) * darks[down] * darks[right];
+            const float y = @p@_light(p, row + r, col + c), lit = y * lights[down] * lights[right];
+            const float dark = (y + @P@_DARK) * darks[down] * darks[right];
             brightest = lit > brightest ? lit : brightest;
             darkest = (r == -3 && c == -3) || dark < darkest ? dark : darkest;
         }
@@ -170,10 +169,9 @@ static inline void @p@_corrected(const @p@_picture *p, int32_t row, int32_t col,
         means[plane] = @p@_weighted(columns);
     }
     for (c = -1; c <= 1; c++)
-        columns[c + 1] = (@p@_at(p, 1, row - 1, col + c) + @p@_at(p, 1, row + 1, col + c)
-                          + 2.0f * @p@_at(p, 1, row, col + c)) * 0.25f;
+        columns[c + 1] = (@p@_light(p, row - 1, col + c) + @p@_light(p, row + 1, col + c)
+                          + 2.0f * @p@_light(p, row, col + c)) * 0.25f;
     nearby = (columns[0] + columns[2] + 2.0f * columns[1]) * 0.25f;
-    nearby = nearby > 0.0f ? nearby : 0.0f;
     light = out[1] > 0.5f * nearby ? out[1] : 0.5f * nearby;
     factor = light / (means[1] < @P@_DARK ? @P@_DARK : means[1]);
     for (plane = 0; plane < 3; plane++) {
