@@ -284,9 +284,11 @@ impl FixedRefinement {
         let shift = |of: &[u32; 1 + highlights::REACH], r: isize, c: isize| {
             of[r.unsigned_abs()] + of[c.unsigned_abs()]
         };
-        let brightest = around(1).map(|(r, c, y)| y.max(0) >> shift(&LIGHT, r, c)).max().unwrap_or(0);
-        let dark = |(r, c, y): (isize, isize, i64)| (y.max(0) + self.dark) << shift(&DARKNESS, r, c);
-        let darkest = around(1).map(dark).min().unwrap_or(1);
+        // Of Y, where negative values count as 0.
+        let lights = || around(1).map(|(r, c, y)| (r, c, y.max(0)));
+        let brightest = lights().map(|(r, c, y)| y >> shift(&LIGHT, r, c)).max().unwrap_or(0);
+        let dark = |(r, c, y): (isize, isize, i64)| (y + self.dark) << shift(&DARKNESS, r, c);
+        let darkest = lights().map(dark).min().unwrap_or(1);
         let beyond = brightest - FROM * darkest;
         if beyond <= 0 {
             return own;
@@ -295,8 +297,8 @@ impl FixedRefinement {
         let weight = |r: isize, c: isize| BINOMIAL[r.unsigned_abs()] * BINOMIAL[c.unsigned_abs()];
         let [x, y, z] = [0, 1, 2].map(|plane| around(plane).map(|(r, c, v)| weight(r, c) * v).sum::<i64>());
         let is_near = |r: isize, c: isize| r.abs() <= 1 && c.abs() <= 1;
-        let near = around(1).filter(|&(r, c, _)| is_near(r, c));
-        let near = rounded(near.map(|(r, c, y)| y.max(0) << (2 - r.abs() - c.abs())).sum(), 4);
+        let near = lights().filter(|&(r, c, _)| is_near(r, c));
+        let near = rounded(near.map(|(r, c, y)| y << (2 - r.abs() - c.abs())).sum(), 4);
         let light = i64::from(own[1]).max(near >> 1);
         // The weights sum to 2¹².
         let total = y.max(self.dark << 12);
