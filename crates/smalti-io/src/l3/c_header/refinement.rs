@@ -79,6 +79,6 @@ fn work(refinement: &Refinement) -> (usize, usize) {
     let kept = |is_half: bool| -> usize {
         pictures.iter().filter(|p| p.is_half == is_half).map(|p| OUTPUTS * p.kept).sum()
     };
-    const { assert!(REFINEMENT_CORRECTED_REACH == 3, "the C code has weights of three distances") }
+    const { assert!(REFINEMENT_CORRECTED_REACH == 4, "the C code has weights of four distances") }
     (kept(false) + OUTPUTS * (2 * REFINEMENT_CORRECTED_REACH + 1), kept(true))
 }

@@ -34,10 +34,11 @@ const TENT: [i64; 5] = [1, 2, 3, 2, 1];
 /// The tangent of 22.5° in 2⁻¹⁵.
 const TANGENT: i64 = 13_573;
 /// Right shifts of Y and left shifts of Y and noise in the contrast, by distance along a row or a column.
-const LIGHT: [u32; 1 + highlights::REACH] = [0, 0, 1, 2];
-const DARKNESS: [u32; 1 + highlights::REACH] = [0, 1, 2, 3];
-/// Weights of the mean colour at a distance; along a row or a column they sum to 64.
-const BINOMIAL: [i64; 1 + highlights::REACH] = [20, 15, 6, 1];
+const LIGHT: [u32; 1 + highlights::REACH] = [0, 0, 1, 2, 2];
+const DARKNESS: [u32; 1 + highlights::REACH] = [0, 1, 2, 3, 3];
+/// Weights of the mean colour at a distance; along a row or a column they sum to 2⁸, in both directions to 2¹⁶.
+const BINOMIAL: [i64; 1 + highlights::REACH] = [70, 56, 28, 8, 1];
+const BINOMIAL_PLACES: u32 = 16;
 /// Contrasts at which the correction begins and is complete.
 const FROM: i64 = highlights::CONTRASTS[0] as i64;
 const TO: i64 = highlights::CONTRASTS[1] as i64;
@@ -299,9 +300,8 @@ impl FixedRefinement {
         let is_near = |r: isize, c: isize| r.abs() <= 1 && c.abs() <= 1;
         let near = lights().filter(|&(r, c, _)| is_near(r, c));
         let near = rounded(near.map(|(r, c, y)| y << (2 - r.abs() - c.abs())).sum(), 4);
-        let light = i64::from(own[1]).max(near >> 1);
-        // The weights sum to 2¹².
-        let total = y.max(self.dark << 12);
+        let light = i64::from(own[1]).max(near >> 1).max(y >> (BINOMIAL_PLACES + 2));
+        let total = y.max(self.dark << BINOMIAL_PLACES);
         let goal = [x.max(0) * light / total, light, z.max(0) * light / total];
         std::array::from_fn(|p| {
             let (own, goal) = (i64::from(own[p]), i64::from(saturated(goal[p])));

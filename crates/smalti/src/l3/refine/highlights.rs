@@ -2,7 +2,7 @@
 //!
 //! Near a lamp, what a mosaic does not resolve of its edge is wrong by a few percent of its brightness, in other colours at every pixel: more than
 //! the light of its surroundings. Where Y around a pixel has such a contrast, the pixel has the mean colour of the light
-//! around it instead, and at least half of the mean Y of its neighbours, of which negative ones count as 0.
+//! around it instead, and a least Y: half of the mean Y of its neighbours, of which negative ones count as 0, and a quarter of the mean Y around it.
 
 use super::super::blocks::{LANES, values, values_mut};
 use super::stages::{MARGIN, Padded, Vector, copy_row};
@@ -10,19 +10,18 @@ use super::strips::Strip;
 use crate::numeric::simd::{Kernel, dispatch};
 
 /// Distance of the farthest row and column on which a pixel depends.
-pub(super) const REACH: usize = 3;
+pub(super) const REACH: usize = 4;
 const SIDE: usize = 2 * REACH + 1;
 /// Weights of light in the contrast by distance along a row or a column; in both directions they are multiplied.
-const LIGHT: [f32; SIDE] = [0.25, 0.5, 1.0, 1.0, 1.0, 0.5, 0.25];
+const LIGHT: [f32; SIDE] = [0.25, 0.25, 0.5, 1.0, 1.0, 1.0, 0.5, 0.25, 0.25];
 /// Factors of the Y of dark pixels in the contrast by distance.
-const DARKNESS: [f32; SIDE] = [8.0, 4.0, 2.0, 1.0, 2.0, 4.0, 8.0];
+const DARKNESS: [f32; SIDE] = [8.0, 8.0, 4.0, 2.0, 1.0, 2.0, 4.0, 8.0, 8.0];
 /// The contrast at which the correction begins, and the contrast at which it is complete.
 pub(super) const CONTRASTS: [f32; 2] = [8.0, 32.0];
-/// Binomial weights of the mean colour, along rows and along columns.
-const WEIGHTS: [f32; SIDE] =
-    [1.0 / 64.0, 6.0 / 64.0, 15.0 / 64.0, 20.0 / 64.0, 15.0 / 64.0, 6.0 / 64.0, 1.0 / 64.0];
-/// Least Y of a corrected pixel, relative to the mean of 3 × 3 pixels with binomial weights.
-const LEAST: f32 = 0.5;
+/// Binomial weights of the mean colour at a distance; along a row or a column they sum to 1.
+const WEIGHTS: [f32; 1 + REACH] = [70.0 / 256.0, 56.0 / 256.0, 28.0 / 256.0, 8.0 / 256.0, 1.0 / 256.0];
+/// Least Y of a corrected pixel, relative to the mean of 3 × 3 pixels with binomial weights, and to that of the mean colour.
+const LEAST: [f32; 2] = [0.5, 0.25];
 
 /// Corrects a strip. `dark` is the standard deviation of the noise of a sample at Y = 0, which is added to the Y of dark pixels.
 pub(super) fn correct(mut strip: Strip<'_>, dark: f32) {
@@ -91,13 +90,12 @@ impl Extremes {
 /// Means with [`WEIGHTS`].
 #[inline(always)]
 fn weighted(lines: [&Vector; SIDE]) -> Vector {
-    let [a, b, c, d, e, f, g] = lines;
     let mut means = [0.0; LANES];
-    for i in 0..LANES {
-        means[i] = (a[i] + g[i]) * WEIGHTS[0]
-            + (b[i] + f[i]) * WEIGHTS[1]
-            + (c[i] + e[i]) * WEIGHTS[2]
-            + d[i] * WEIGHTS[3];
+    for (i, mean) in means.iter_mut().enumerate() {
+        *mean = lines[REACH][i] * WEIGHTS[0];
+        for far in 1..=REACH {
+            *mean += (lines[REACH - far][i] + lines[REACH + far][i]) * WEIGHTS[far];
+        }
     }
     means
 }
@@ -108,7 +106,7 @@ fn weighted(lines: [&Vector; SIDE]) -> Vector {
 fn nearest(lines: [&Vector; SIDE]) -> Vector {
     let mut means = [0.0; LANES];
     for (i, mean) in means.iter_mut().enumerate() {
-        let [_, _, before, own, after, _, _] = lines.map(|line| greater(0.0, line[i]));
+        let [before, own, after] = [REACH - 1, REACH, REACH + 1].map(|at| greater(0.0, lines[at][i]));
         *mean = (before + after + 2.0 * own) * 0.25;
     }
     means
@@ -117,17 +115,22 @@ fn nearest(lines: [&Vector; SIDE]) -> Vector {
 /// The vectors of several lines at a place. `None` where they end.
 #[inline(always)]
 fn down<'a>(lines: &[&'a [f32]; SIDE], at: usize) -> Option<[&'a Vector; SIDE]> {
-    let [a, b, c, d, e, f, g] = *lines;
-    let of = |line| values(line, at);
-    Some([of(a)?, of(b)?, of(c)?, of(d)?, of(e)?, of(f)?, of(g)?])
+    let mut all = [&[0.0; LANES]; SIDE];
+    for (vector, line) in all.iter_mut().zip(lines) {
+        *vector = values(line, at)?;
+    }
+    Some(all)
 }
 
 /// The vectors of a line from a place on, each a column after the one before. `None` where it ends.
 #[inline(always)]
 fn along(line: &[f32], at: usize) -> Option<[&Vector; SIDE]> {
-    let all = values::<f32, { LANES + SIDE - 1 }>(line, at)?;
-    let of = |right| values(all, right);
-    Some([of(0)?, of(1)?, of(2)?, of(3)?, of(4)?, of(5)?, of(6)?])
+    let line = values::<f32, { LANES + SIDE - 1 }>(line, at)?;
+    let mut all = [&[0.0; LANES]; SIDE];
+    for (right, vector) in all.iter_mut().enumerate() {
+        *vector = values(line, right)?;
+    }
+    Some(all)
 }
 
 /// Corrects a row.
@@ -205,7 +208,8 @@ impl<'a> Row<'a> {
             let near = nearest(along(&scratch.near, at)?);
             let here = at..(at + LANES).min(cols);
             for (i, col) in here.enumerate() {
-                let light = greater(y[col], LEAST * near[i]);
+                let least = greater(LEAST[0] * near[i], LEAST[1] * mean_y[i]);
+                let light = greater(y[col], least);
                 let factor = light / greater(mean_y[i], self.dark);
                 let goal = [greater(mean_x[i], 0.0) * factor, light, greater(mean_z[i], 0.0) * factor];
                 if shares[i] > 0.0 {

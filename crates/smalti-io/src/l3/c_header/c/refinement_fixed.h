@@ -172,16 +172,17 @@ static inline void @p@_refined_pixel(const @p@_picture pictures[@P@_PICTURES], i
     }
 }
 
-/* A pixel of the refined picture. Beside light that is many times as bright it has the mean colour of the light around it and
-   at least half of the mean Y of its neighbours. */
+/* A pixel of the refined picture. Beside light that is many times as bright it has the mean colour of the light around it,
+   at least half of the mean Y of its neighbours and at least a quarter of the mean Y around it. */
 static inline void @p@_corrected(const @p@_picture *p, int32_t row, int32_t col, int32_t out[3])
 {
-    /* By distance: right shifts of Y and left shifts of Y and noise in the contrast, and weights of colours, 64 along a line. */
-    static const int8_t light_bits[4] = { 0, 0, 1, 2 }, dark_bits[4] = { 0, 1, 2, 3 }, weights[4] = { 20, 15, 6, 1 };
+    /* By distance: right shifts of Y and left shifts of Y and noise in the contrast, and weights of colours, 256 along a line. */
+    static const int8_t light_bits[5] = { 0, 0, 1, 2, 2 }, dark_bits[5] = { 0, 1, 2, 3, 3 };
+    static const int8_t weights[5] = { 70, 56, 28, 8, 1 };
     int64_t brightest = 0, darkest = INT64_MAX, sums[3] = { 0, 0, 0 }, nearby = 0, share, light, total, goal[3];
     int32_t r, c, plane;
-    for (r = -3; r <= 3; r++)
-        for (c = -3; c <= 3; c++) {
+    for (r = -4; r <= 4; r++)
+        for (c = -4; c <= 4; c++) {
             const int32_t down = r < 0 ? -r : r, right = c < 0 ? -c : c;
             const int64_t y = @p@_light(p, row + r, col + c), lit = y >> (light_bits[down] + light_bits[right]);
             const int64_t dark = (y + @P@_DARK) << (dark_bits[down] + dark_bits[right]);
@@ -195,8 +196,8 @@ static inline void @p@_corrected(const @p@_picture *p, int32_t row, int32_t col,
         return;
     share = (brightest << 10) / (24 * darkest);
     share = share < 1 << 10 ? share : 1 << 10;
-    for (r = -3; r <= 3; r++)
-        for (c = -3; c <= 3; c++) {
+    for (r = -4; r <= 4; r++)
+        for (c = -4; c <= 4; c++) {
             const int32_t down = r < 0 ? -r : r, right = c < 0 ? -c : c;
             for (plane = 0; plane < 3; plane++)
                 sums[plane] += (int64_t)(weights[down] * weights[right]) * @p@_at(p, plane, row + r, col + c);
@@ -204,8 +205,9 @@ static inline void @p@_corrected(const @p@_picture *p, int32_t row, int32_t col,
                 nearby += (int64_t)((2 - down) * (2 - right)) * @p@_light(p, row + r, col + c);
         }
     nearby = @p@_rounded(nearby, 4);
-    light = out[1] > nearby >> 1 ? out[1] : nearby >> 1;
-    total = (int64_t)@P@_DARK << 12;
+    light = nearby >> 1 > sums[1] >> 18 ? nearby >> 1 : sums[1] >> 18;
+    light = out[1] > light ? out[1] : light;
+    total = (int64_t)@P@_DARK << 16;
     total = sums[1] > total ? sums[1] : total;
     for (plane = 0; plane < 3; plane++)
         goal[plane] = @p@_saturated((sums[plane] > 0 ? sums[plane] : 0) * light / total);

@@ -131,28 +131,29 @@ static inline void @p@_refined_pixel(const @p@_picture pictures[@P@_PICTURES], i
     }
 }
 
-/* A mean of seven numbers with binomial weights. */
-static inline float @p@_weighted(const float v[7])
+/* A mean of nine numbers with binomial weights. */
+static inline float @p@_weighted(const float v[9])
 {
-    return (v[0] + v[6]) * (1.0f / 64.0f) + (v[1] + v[5]) * (6.0f / 64.0f) + (v[2] + v[4]) * (15.0f / 64.0f)
-         + v[3] * (20.0f / 64.0f);
+    return v[4] * (70.0f / 256.0f) + (v[3] + v[5]) * (56.0f / 256.0f) + (v[2] + v[6]) * (28.0f / 256.0f)
+         + (v[1] + v[7]) * (8.0f / 256.0f) + (v[0] + v[8]) * (1.0f / 256.0f);
 }
 
-/* A pixel of the refined picture. Beside light that is many times as bright it has the mean colour of the light around it and
-   at least half of the mean Y of its neighbours. */
+/* A pixel of the refined picture. Beside light that is many times as bright it has the mean colour of the light around it,
+   at least half of the mean Y of its neighbours and at least a quarter of the mean Y around it. */
 static inline void @p@_corrected(const @p@_picture *p, int32_t row, int32_t col, float out[3])
 {
     /* Weights of light and factors of dark pixels in the contrast, by distance. */
-    static const float lights[4] = { 1.0f, 1.0f, 0.5f, 0.25f }, darks[4] = { 1.0f, 2.0f, 4.0f, 8.0f };
-    float brightest = 0.0f, darkest = 0.0f, means[3], lines[7], columns[7], nearby, light, share, factor;
+    static const float lights[5] = { 1.0f, 1.0f, 0.5f, 0.25f, 0.25f };
+    static const float darks[5] = { 1.0f, 2.0f, 4.0f, 8.0f, 8.0f };
+    float brightest = 0.0f, darkest = 0.0f, means[3], lines[9], columns[9], nearby, light, share, factor;
     int32_t r, c, plane;
-    for (r = -3; r <= 3; r++)
-        for (c = -3; c <= 3; c++) {
+    for (r = -4; r <= 4; r++)
+        for (c = -4; c <= 4; c++) {
             const int32_t down = r < 0 ? -r : r, right = c < 0 ? -c : c;
             const float y = @p@_light(p, row + r, col + c), lit = y * lights[down] * lights[right];
             const float dark = (y + @P@_DARK) * darks[down] * darks[right];
             brightest = lit > brightest ? lit : brightest;
-            darkest = (r == -3 && c == -3) || dark < darkest ? dark : darkest;
+            darkest = (r == -4 && c == -4) || dark < darkest ? dark : darkest;
         }
     share = (brightest / darkest - 8.0f) / 24.0f;
     for (plane = 0; plane < 3; plane++)
@@ -161,10 +162,10 @@ static inline void @p@_corrected(const @p@_picture *p, int32_t row, int32_t col,
         return;
     share = share < 1.0f ? share : 1.0f;
     for (plane = 0; plane < 3; plane++) {
-        for (c = -3; c <= 3; c++) {
-            for (r = -3; r <= 3; r++)
-                lines[r + 3] = @p@_at(p, plane, row + r, col + c);
-            columns[c + 3] = @p@_weighted(lines);
+        for (c = -4; c <= 4; c++) {
+            for (r = -4; r <= 4; r++)
+                lines[r + 4] = @p@_at(p, plane, row + r, col + c);
+            columns[c + 4] = @p@_weighted(lines);
         }
         means[plane] = @p@_weighted(columns);
     }
@@ -172,7 +173,8 @@ static inline void @p@_corrected(const @p@_picture *p, int32_t row, int32_t col,
         columns[c + 1] = (@p@_light(p, row - 1, col + c) + @p@_light(p, row + 1, col + c)
                           + 2.0f * @p@_light(p, row, col + c)) * 0.25f;
     nearby = (columns[0] + columns[2] + 2.0f * columns[1]) * 0.25f;
-    light = out[1] > 0.5f * nearby ? out[1] : 0.5f * nearby;
+    light = 0.5f * nearby > 0.25f * means[1] ? 0.5f * nearby : 0.25f * means[1];
+    light = out[1] > light ? out[1] : light;
     factor = light / (means[1] < @P@_DARK ? @P@_DARK : means[1]);
     for (plane = 0; plane < 3; plane++) {
         const float goal = plane == 1 ? light : (means[plane] < 0.0f ? 0.0f : means[plane]) * factor;
