@@ -36,7 +36,7 @@ const TANGENT: i64 = 13_573;
 /// Right shifts of Y and left shifts of Y and noise in the contrast, by distance along a row or a column.
 const LIGHT: [u32; 1 + highlights::REACH] = [0, 0, 1, 2, 2];
 const DARKNESS: [u32; 1 + highlights::REACH] = [0, 1, 2, 3, 3];
-/// Weights of the mean colour at a distance; along a row or a column they sum to 2⁸, in both directions to 2¹⁶.
+/// Weights of the mean colour by distance; those of a line sum to 2⁸, those of 9 × 9 pixels to 2¹⁶.
 const BINOMIAL: [i64; 1 + highlights::REACH] = [70, 56, 28, 8, 1];
 const BINOMIAL_PLACES: u32 = 16;
 /// Contrasts at which the correction begins and is complete.

@@ -2,7 +2,7 @@
 //!
 //! Near a lamp, what a mosaic does not resolve of its edge is wrong by a few percent of its brightness, in other colours at every pixel: more than
 //! the light of its surroundings. Where Y around a pixel has such a contrast, the pixel has the mean colour of the light
-//! around it instead, and a least Y: half of the mean Y of its neighbours, of which negative ones count as 0, and a quarter of the mean Y around it.
+//! around it instead, and its Y is at least half of the mean Y of its neighbours, where negative Y counts as 0, and at least a quarter of the mean Y around it.
 
 use super::super::blocks::{LANES, values, values_mut};
 use super::stages::{MARGIN, Padded, Vector, copy_row};
@@ -18,9 +18,9 @@ const LIGHT: [f32; SIDE] = [0.25, 0.25, 0.5, 1.0, 1.0, 1.0, 0.5, 0.25, 0.25];
 const DARKNESS: [f32; SIDE] = [8.0, 8.0, 4.0, 2.0, 1.0, 2.0, 4.0, 8.0, 8.0];
 /// The contrast at which the correction begins, and the contrast at which it is complete.
 pub(super) const CONTRASTS: [f32; 2] = [8.0, 32.0];
-/// Binomial weights of the mean colour at a distance; along a row or a column they sum to 1.
+/// Binomial weights of the mean colour by distance; those of the nine pixels of a line sum to 1.
 const WEIGHTS: [f32; 1 + REACH] = [70.0 / 256.0, 56.0 / 256.0, 28.0 / 256.0, 8.0 / 256.0, 1.0 / 256.0];
-/// Least Y of a corrected pixel, relative to the mean of 3 × 3 pixels with binomial weights, and to that of the mean colour.
+/// Least Y of a corrected pixel, relative to the mean Y of 3 × 3 pixels with binomial weights and to the Y of the mean colour.
 const LEAST: [f32; 2] = [0.5, 0.25];
 
 /// Corrects a strip. `dark` is the standard deviation of the noise of a sample at Y = 0, which is added to the Y of dark pixels.

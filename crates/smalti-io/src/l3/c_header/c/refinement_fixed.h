@@ -176,8 +176,9 @@ static inline void @p@_refined_pixel(const @p@_picture pictures[@P@_PICTURES], i
    at least half of the mean Y of its neighbours and at least a quarter of the mean Y around it. */
 static inline void @p@_corrected(const @p@_picture *p, int32_t row, int32_t col, int32_t out[3])
 {
-    /* By distance: right shifts of Y and left shifts of Y and noise in the contrast, and weights of colours, 256 along a line. */
+    /* By distance: right shifts of Y, and left shifts of Y and noise, in the contrast. */
     static const int8_t light_bits[5] = { 0, 0, 1, 2, 2 }, dark_bits[5] = { 0, 1, 2, 3, 3 };
+    /* Of colours, by distance: those along a line sum to 256. */
     static const int8_t weights[5] = { 70, 56, 28, 8, 1 };
     int64_t brightest = 0, darkest = INT64_MAX, sums[3] = { 0, 0, 0 }, nearby = 0, share, light, total, goal[3];
     int32_t r, c, plane;
@@ -204,8 +205,9 @@ static inline void @p@_corrected(const @p@_picture *p, int32_t row, int32_t col,
             if (down <= 1 && right <= 1)
                 nearby += (int64_t)((2 - down) * (2 - right)) * @p@_light(p, row + r, col + c);
         }
-    nearby = @p@_rounded(nearby, 4);
-    light = nearby >> 1 > sums[1] >> 18 ? nearby >> 1 : sums[1] >> 18;
+    nearby = @p@_rounded(nearby, 4) / 2;
+    light = sums[1] / (1 << 18);
+    light = nearby > light ? nearby : light;
     light = out[1] > light ? out[1] : light;
     total = (int64_t)@P@_DARK << 16;
     total = sums[1] > total ? sums[1] : total;

@@ -173,7 +173,7 @@ static inline void @p@_corrected(const @p@_picture *p, int32_t row, int32_t col,
         columns[c + 1] = (@p@_light(p, row - 1, col + c) + @p@_light(p, row + 1, col + c)
                           + 2.0f * @p@_light(p, row, col + c)) * 0.25f;
     nearby = (columns[0] + columns[2] + 2.0f * columns[1]) * 0.25f;
-    light = 0.5f * nearby > 0.25f * means[1] ? 0.5f * nearby : 0.25f * means[1];
+    light = 0.25f * means[1] > 0.5f * nearby ? 0.25f * means[1] : 0.5f * nearby;
     light = out[1] > light ? out[1] : light;
     factor = light / (means[1] < @P@_DARK ? @P@_DARK : means[1]);
     for (plane = 0; plane < 3; plane++) {
