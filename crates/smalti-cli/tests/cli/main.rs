@@ -13,6 +13,7 @@ mod convert;
 mod design;
 mod evaluate;
 mod experiments;
+mod flat_field;
 #[path = "../../../smalti/tests/it/gaussian_sets.rs"]
 mod gaussian_sets;
 mod hostile;

@@ -16,7 +16,7 @@ use crate::numeric::philox::Stream;
 
 /// Standard deviation of the error that each position of the tile is taken to have, relative to brightness, in the picture and in its finest
 /// smooth version. It is far larger than real ones, which are some thousandths, because they are to vanish.
-const ERROR: f64 = 0.1;
+pub(super) const ERROR: f64 = 0.4;
 /// The greatest strength of structure that noise gives to uniform areas.
 const UNIFORM_STRENGTH: usize = 2;
 /// Least side of the area whose inputs are averaged, and the pixels on either side of it that they depend on.

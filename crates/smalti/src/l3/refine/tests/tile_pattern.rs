@@ -1,7 +1,7 @@
 //! Laws of the patterns that kernels do not pass on.
 
 use super::super::inputs::{COUNT, LINEAR, OWN, SMOOTH, plane_of};
-use super::super::tile_pattern::TilePattern;
+use super::super::tile_pattern::{ERROR, TilePattern};
 use super::*;
 
 /// Classes of level 3 that are flat and of the greatest strength.
@@ -27,7 +27,7 @@ fn inputs_vary_with_the_errors_of_positions() {
         let [flat, strong] = classes(&axes);
         assert!(pattern.of_class(strong).is_empty());
         let covariance = pattern.of_class(flat);
-        let error = f64::from(0.1 * axes.brightness(3)).powi(2);
+        let error = (ERROR * f64::from(axes.brightness(3))).powi(2);
         let of = |a: usize, b: usize| covariance[a * COUNT + b] / error;
         for own in OWN {
             assert!((of(own, own) / (1.0 - 1.0 / count) - 1.0).abs() < 1e-3, "{tile:?}: {}", of(own, own));
@@ -50,7 +50,7 @@ fn the_kernels_of_uniform_areas_do_not_pass_a_pattern_on() {
     let axes = axes();
     for tile in [[2, 2], [4, 4]] {
         let pattern = TilePattern::new(&axes, tile);
-        let error = 0.1 * f64::from(axes.brightness(3));
+        let error = ERROR * f64::from(axes.brightness(3));
         let left = |refinement: Refinement| {
             // The class that has most of the uniform areas.
             let structures = axes.structures();
