@@ -1,8 +1,8 @@
 //! Correction of pixels beside light that is many times as bright.
 //!
 //! Near a lamp, what a mosaic does not resolve of its edge is wrong by a few percent of its brightness, in other colours at every pixel: more than
-//! the light of its surroundings. Where Y around a pixel has such a contrast, the pixel has the mean colour of the light
-//! around it instead, and its Y is at least half of the mean Y of its neighbours, where negative Y counts as 0, and at least a quarter of the mean Y around it.
+//! the light of its surroundings. Where Y around a pixel has such a contrast, the pixel has the mean colour of the light around it instead, and its
+//! Y is at least half of the mean Y of its neighbours, where negative Y counts as 0, and at least a quarter of the mean Y around it.
 
 use super::super::blocks::{LANES, values, values_mut};
 use super::stages::{MARGIN, Padded, Vector, copy_row};

@@ -178,7 +178,7 @@ static inline void @p@_corrected(const @p@_picture *p, int32_t row, int32_t col,
 {
     /* By distance: right shifts of Y, and left shifts of Y and noise, in the contrast. */
     static const int8_t light_bits[5] = { 0, 0, 1, 2, 2 }, dark_bits[5] = { 0, 1, 2, 3, 3 };
-    /* Of colours, by distance: those along a line sum to 256. */
+    /* Weights of colours, by distance; those of a line sum to 256. */
     static const int8_t weights[5] = { 70, 56, 28, 8, 1 };
     int64_t brightest = 0, darkest = INT64_MAX, sums[3] = { 0, 0, 0 }, nearby = 0, share, light, total, goal[3];
     int32_t r, c, plane;
