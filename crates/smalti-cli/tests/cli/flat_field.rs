@@ -18,16 +18,14 @@ const OF_TILE: [[usize; 2]; 3] = [[0, SIDE / 2], [SIDE / 2, 0], [SIDE / 2, SIDE 
 /// The amplitude at each frequency of the tile relative to the standard deviation of the spectrum around it.
 fn peaks(plane: &[f32]) -> [f64; 3] {
     let spectrum = RealFft2::new(SIDE, SIDE).unwrap().forward(plane).unwrap();
-    // Frequencies along rows beyond the middle one have the power of those before it.
+    // Columns beyond the middle one are left out: their powers are those of the columns before it.
     let power = |row: usize, col: usize| f64::from(spectrum[col * SIDE + row % SIDE].norm_sqr());
     OF_TILE.map(|[row, col]| {
         let cols = col.saturating_sub(AROUND)..=(col + AROUND).min(SIDE / 2);
         let near = |by: usize| cols.clone().map(move |col| power(row + SIDE + by - AROUND, col));
-        let (sum, count) = (0..=2 * AROUND)
-            .flat_map(near)
-            .fold((0.0, 0.0), |(sum, count), power| (sum + power, count + 1.0));
-        let own = power(row, col);
-        (own * (count - 1.0) / (sum - own)).sqrt()
+        let (all, own) = ((0..=2 * AROUND).flat_map(near).collect::<Vec<f64>>(), power(row, col));
+        let noise = (all.iter().sum::<f64>() - own) / (all.len() - 1) as f64;
+        (own / noise).sqrt()
     })
 }
 
@@ -44,8 +42,8 @@ fn a_wave_of_the_tile_is_a_peak() {
     assert!(none.iter().all(|&peak| peak < 3.0), "{none:?}");
 }
 
-/// In the mean of four captures noise is half as strong, a pattern is not. The spectrum is real at these frequencies: of nine values of noise alone, the
-/// largest exceeds 3 in at most one case of 40.
+/// In the mean of four captures noise is half as strong, a pattern is not. The spectrum is real at these frequencies: of nine values of noise
+/// alone, the largest exceeds 3 in at most one case of 40.
 #[test]
 fn a_uniform_grey_has_no_pattern_of_the_tile() {
     let place = Place::new();

@@ -13,9 +13,9 @@ use crate::numeric::simd::{Kernel, dispatch};
 pub(super) const REACH: usize = 4;
 const SIDE: usize = 2 * REACH + 1;
 /// Weights of light in the contrast by distance along a row or a column; in both directions they are multiplied.
-const LIGHT: [f32; SIDE] = [0.25, 0.25, 0.5, 1.0, 1.0, 1.0, 0.5, 0.25, 0.25];
+const LIGHT: [f32; 1 + REACH] = [1.0, 1.0, 0.5, 0.25, 0.25];
 /// Factors of the Y of dark pixels in the contrast by distance.
-const DARKNESS: [f32; SIDE] = [8.0, 8.0, 4.0, 2.0, 1.0, 2.0, 4.0, 8.0, 8.0];
+const DARKNESS: [f32; 1 + REACH] = [1.0, 2.0, 4.0, 8.0, 8.0];
 /// The contrast at which the correction begins, and the contrast at which it is complete.
 pub(super) const CONTRASTS: [f32; 2] = [8.0, 32.0];
 /// Binomial weights of the mean colour by distance; those of the nine pixels of a line sum to 1.
@@ -77,10 +77,11 @@ impl Extremes {
     fn of(light: [&Vector; SIDE], darkness: [&Vector; SIDE], dark: f32) -> Self {
         let mut all = Self { brightest: [0.0; LANES], darkest: [f32::INFINITY; LANES] };
         for at in 0..SIDE {
+            let far = at.abs_diff(REACH);
             for i in 0..LANES {
-                all.brightest[i] = greater(all.brightest[i], light[at][i] * LIGHT[at]);
+                all.brightest[i] = greater(all.brightest[i], light[at][i] * LIGHT[far]);
                 all.darkest[i] =
-                    lesser(all.darkest[i], (greater(0.0, darkness[at][i]) + dark) * DARKNESS[at]);
+                    lesser(all.darkest[i], (greater(0.0, darkness[at][i]) + dark) * DARKNESS[far]);
             }
         }
         all
