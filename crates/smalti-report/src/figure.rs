@@ -1,6 +1,6 @@
 //! A finished figure.
 
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
 use resvg::{tiny_skia, usvg};
 
@@ -12,6 +12,15 @@ use crate::text::{REGULAR, SEMI_BOLD};
 pub const SIDE_LIMIT: f64 = 16_384.0;
 /// The most pixels of a PNG.
 const PIXEL_LIMIT: f64 = 1e8;
+
+/// The fonts of all figures.
+static FONTS: LazyLock<Arc<usvg::fontdb::Database>> = LazyLock::new(|| {
+    let mut fonts = usvg::fontdb::Database::new();
+    fonts.load_font_data(REGULAR.to_vec());
+    fonts.load_font_data(SEMI_BOLD.to_vec());
+    fonts.set_sans_serif_family("Inter");
+    Arc::new(fonts)
+});
 
 /// Methods that set fields of a value and return it.
 macro_rules! setters {
@@ -81,19 +90,21 @@ impl Figure {
     /// # Errors
     /// [`FigureError::Size`] for a scale that is not positive or gives too many pixels.
     pub fn png(&self, scale: f64) -> Result<Vec<u8>, FigureError> {
+        let (rgb, size) = self.pixels(scale)?;
+        encode(&rgb, size, png::ColorType::Rgb, self.compression)
+    }
+
+    /// The pixels of [`png`](Self::png), and their width and height.
+    pub(crate) fn pixels(&self, scale: f64) -> Result<(Vec<u8>, [u32; 2]), FigureError> {
         let (width, height) = ((self.width * scale).round(), (self.height * scale).round());
         check_size(width, height)?;
         if width * height > PIXEL_LIMIT {
             let reason = format!("a PNG has at most {PIXEL_LIMIT:e} pixels");
             return Err(FigureError::Size { width, height, reason });
         }
-        let mut fonts = usvg::fontdb::Database::new();
-        fonts.load_font_data(REGULAR.to_vec());
-        fonts.load_font_data(SEMI_BOLD.to_vec());
-        fonts.set_sans_serif_family("Inter");
         let options = usvg::Options {
             font_family: "Inter".to_owned(),
-            fontdb: Arc::new(fonts),
+            fontdb: Arc::clone(&FONTS),
             ..usvg::Options::default()
         };
         let tree = usvg::Tree::from_str(&self.svg, &options)?;
@@ -104,8 +115,8 @@ impl Figure {
         pixels.fill(tiny_skia::Color::WHITE);
         let transform = tiny_skia::Transform::from_scale(scale as f32, scale as f32);
         resvg::render(&tree, transform, &mut pixels.as_mut());
-        let rgb: Vec<u8> = pixels.pixels().iter().flat_map(|p| [p.red(), p.green(), p.blue()]).collect();
-        encode(&rgb, [width as u32, height as u32], png::ColorType::Rgb, self.compression)
+        let rgb = pixels.pixels().iter().flat_map(|p| [p.red(), p.green(), p.blue()]).collect();
+        Ok((rgb, [width as u32, height as u32]))
     }
 }
 

@@ -271,6 +271,21 @@ fn pictures_keep_their_pixels() {
     assert!(found, "the picture is not in the PNG pixel for pixel");
 }
 
+/// Copied pictures are those that the renderer of the SVG draws.
+#[test]
+fn a_sheet_has_the_same_png_with_and_without_svg() {
+    let rgb: Vec<u8> = (0..3 * 37 * 22).map(|i| (i * i % 251) as u8).collect();
+    for times in [1, 2, 5] {
+        let sheet =
+            Sheet::new(3).title("a title that is longer than one line of a narrow sheet").note("a note");
+        let sheet = sheet.picture("one\nin two lines", 37, 22, &rgb).picture("smaller", 11, 14, &rgb[..462]);
+        let sheet =
+            sheet.picture("c", 22, 37, &rgb).picture("in the second row", 1, 1, &rgb[..3]).enlarge(times);
+        assert!(sheet.png().unwrap() == sheet.draw().unwrap().png(1.0).unwrap(), "{times}");
+    }
+    assert!(matches!(Sheet::new(2).png(), Err(FigureError::Nothing { .. })));
+}
+
 /// A mark stands where its values say, on either scale; a colour bar's ends have the ends of viridis.
 #[test]
 fn points_stand_where_they_should() {

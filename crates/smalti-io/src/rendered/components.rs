@@ -18,8 +18,10 @@ const VERSION: u32 = 1;
 /// The largest number of samples of all planes.
 const MAX_SAMPLES: usize = 1 << 27;
 const FORMAT: &str = "spectral picture";
-/// Pixels whose sums stay in the L1 cache.
-const TILE: usize = 512;
+/// Pixels whose coefficients and sums stay in the L1 cache.
+const TILE: usize = 256;
+/// Bands for which coefficients are converted once.
+const TOGETHER: usize = 8;
 
 /// Reads numbers from the beginning of a picture.
 struct Reader<'a> {
@@ -133,18 +135,25 @@ pub(super) fn decode(name: &str, bytes: &[u8]) -> Result<SpectralFile, IoError> 
         logarithm => floor * libm::exp(log_step * f64::from(logarithm)),
     };
     let levels: Vec<f64> = logarithms.par_iter().map(level).collect();
-    cube.data_mut().par_chunks_mut(area).enumerate().for_each(|(band, plane)| {
+    cube.data_mut().par_chunks_mut(TOGETHER * area).enumerate().for_each(|(group, group_planes)| {
         let mut shape = [0.0; TILE];
-        for (out, first) in plane.chunks_mut(TILE).zip((0..).step_by(TILE)) {
-            shape.fill(mean[band]);
-            for (coefficients, basis) in coefficients.chunks_exact(area).zip(basis.chunks_exact(bands)) {
-                let basis = basis[band];
-                for (shape, &coefficient) in shape.iter_mut().zip(&coefficients[first..]) {
-                    *shape += step * f64::from(coefficient) * basis;
-                }
+        let mut scaled = vec![[0.0; TILE]; components];
+        for first in (0..area).step_by(TILE) {
+            let count = TILE.min(area - first);
+            for (scaled, coefficients) in scaled.iter_mut().zip(coefficients.chunks_exact(area)) {
+                let pairs = scaled.iter_mut().zip(&coefficients[first..first + count]);
+                pairs.for_each(|(scaled, &coefficient)| *scaled = step * f64::from(coefficient));
             }
-            for ((out, shape), level) in out.iter_mut().zip(&shape).zip(&levels[first..]) {
-                *out = if *level > 0.0 { (shape.max(0.0) * level) as f32 } else { 0.0 };
+            for (plane, band) in group_planes.chunks_exact_mut(area).zip(group * TOGETHER..) {
+                shape.fill(mean[band]);
+                for (scaled, basis) in scaled.iter().zip(basis.chunks_exact(bands)) {
+                    let basis = basis[band];
+                    shape.iter_mut().zip(scaled).for_each(|(shape, scaled)| *shape += scaled * basis);
+                }
+                let out = &mut plane[first..first + count];
+                for ((out, shape), level) in out.iter_mut().zip(&shape).zip(&levels[first..]) {
+                    *out = if *level > 0.0 { (shape.max(0.0) * level) as f32 } else { 0.0 };
+                }
             }
         }
     });

@@ -20,7 +20,8 @@ struct Quality {
     halved: bool,
 }
 
-/// From the best. The first that fits is used, since noise and false colour must remain visible.
+/// From the best. The first that fits is used, since noise and false colour must remain visible. Each takes fewer bytes than those
+/// before it, except for pictures of nearly no content, of which any fits.
 const QUALITIES: [Quality; 7] = [
     Quality { picture: 90, map: 75, coarse: false, halved: false },
     Quality { picture: 82, map: 75, coarse: false, halved: false },
@@ -75,9 +76,11 @@ pub(super) struct Maps {
 pub(super) fn gallery(groups: &[Group], maps: &[&Maps], used: usize) -> Markup {
     let last = QUALITIES[QUALITIES.len() - 1];
     let most = MAX_BYTES.saturating_sub(used);
-    let fitting = QUALITIES.iter().find_map(|of| Some((*of, encode(groups, *of, most)?)));
-    let (quality, encoded) =
-        fitting.unwrap_or_else(|| (last, encode(groups, last, usize::MAX).unwrap_or_default()));
+    let fitting = first_fitting(&QUALITIES, |of| encode(groups, *of, most));
+    let (quality, encoded) = fitting.map_or_else(
+        || (last, encode(groups, last, usize::MAX).unwrap_or_default()),
+        |(of, encoded)| (*of, encoded),
+    );
     let mut left = most;
     let rows = groups.iter().zip(&encoded).map(|(group, shots)| {
         let figures = group.shots.iter().zip(shots).map(|(shot, encoded)| {
@@ -111,6 +114,19 @@ pub(super) fn gallery(groups: &[Group], maps: &[&Maps], used: usize) -> Markup {
             }
         )))
         .into()
+}
+
+/// The first of several choices of which `made` makes something that fits, by bisection: all those after it fit as well.
+fn first_fitting<C, T>(choices: &[C], made: impl Fn(&C) -> Option<T>) -> Option<(&C, T)> {
+    let (mut from, mut to, mut found) = (0, choices.len(), None);
+    while from < to {
+        let middle = (from + to) / 2;
+        match made(&choices[middle]) {
+            Some(fitting) => (to, found) = (middle, Some((&choices[middle], fitting))),
+            None => from = middle + 1,
+        }
+    }
+    found
 }
 
 struct Encoded {
@@ -191,6 +207,17 @@ fn figure(group: &Group, shot: &Shot, encoded: &Encoded, kinds: &[&Maps], fits: 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_first_choice_that_fits_is_found() {
+        for count in 0..9 {
+            let choices: Vec<usize> = (0..count).collect();
+            for least in 0..=count {
+                let found = first_fitting(&choices, |of| (*of >= least).then_some(*of * 10));
+                assert_eq!(found, (least < count).then_some((&least, least * 10)));
+            }
+        }
+    }
 
     #[test]
     fn coarse_maps_hold_the_means() {

@@ -72,9 +72,7 @@ impl Comparison<'_> {
     }
 
     fn drawn(&self, drawing: &Drawing<'_>) -> Result<Vec<Drawn>, ReportError> {
-        let png = |name: String, sheet: Sheet| -> Result<Drawn, ReportError> {
-            Ok((name, sheet.draw()?.png(1.0)?))
-        };
+        let png = |name: String, sheet: Sheet| -> Result<Drawn, ReportError> { Ok((name, sheet.png()?)) };
         match drawing {
             Drawing::Pictures { light, scene, name } => {
                 let luminance_cd_m2 = self.lights()[*light].luminance_cd_m2;

@@ -7,9 +7,9 @@ use super::{Camera, CameraError, LevelRule, TrainingSettings, TrainingTarget};
 use crate::isp::IspError;
 use crate::l3::{Axes, L3Error, Learner, Levels, Pair, RefinementAxes, Share, Statistics, Tiles};
 use crate::numeric::Planes;
-use crate::optics::{Optics, OpticsModel};
+use crate::optics::{Optics, OpticsModel, Padding};
 use crate::scene::{self, Scene, Setting};
-use crate::sensor::{Channel, ElectronRates, Exposure, NoiseMode, Sensor};
+use crate::sensor::{Channel, ElectronRates, Exposure, FixedPattern, NoiseMode, Sensor};
 use crate::spectrum::{Extrapolation, Illuminant, Observer, Spectrum};
 
 /// The quantile of the response that defines an exposure.
@@ -24,6 +24,9 @@ const EXPOSURE_RATIO: f64 = 2.5;
 const MIN_SEEN: f64 = 0.01;
 /// Highest cut between response levels, relative to saturation.
 pub(crate) const HIGHEST_CUT: f64 = 0.85;
+/// The widest margin around a scene in training, relative to its size. Light that a lens spreads farther comes back in on the other side
+/// of the scene; docs/l3.md states how little that changes.
+const WIDEST_MARGIN: f64 = 1.0 / 16.0;
 /// Levels of the second stage.
 const REFINEMENT_LEVELS: usize = 12;
 
@@ -77,16 +80,17 @@ impl Stand {
         [&self.sensor, &self.witness.sensor]
     }
 
-    /// Adds the scene at every exposure.
+    /// Adds the scene at every exposure. `drawn` keeps the fixed pattern from scene to scene.
     pub(crate) fn learn(
         &self,
         learner: &mut dyn Learner,
         [rates, witnessed]: [ElectronRates; 2],
+        drawn: &mut FixedPattern,
         settings: &TrainingSettings,
         item: TrainingItem,
     ) -> Result<(), CameraError> {
         let Self { camera, exposure, witness, light, .. } = self;
-        let rates = &rates.with_pattern_of(&self.sensor);
+        let rates = &rates.with_pattern_of_any(&self.sensor, drawn);
         let seen = witness.seen((&witnessed, 1.0))?;
         let target = &camera.target_as_exposed(seen, &settings.target, exposure, light)?;
         camera.add_exposures(learner, SeenScene { rates, target, light }, exposure, settings, item)
@@ -207,7 +211,7 @@ impl Camera {
         settings: &TrainingSettings,
         item: impl Into<TrainingItem>,
     ) -> Result<(), CameraError> {
-        let (image, item) = (self.optics.image(scene)?, item.into());
+        let (image, item) = (self.training_optics().image_of_scene(scene)?, item.into());
         if settings.has_own_images() {
             let camera = self.with_scene_size(scene)?;
             let exposure = camera.nominal_exposure()?;
@@ -218,7 +222,7 @@ impl Camera {
         }
         let stand = self.stand(scene, None, settings)?;
         let rates = ElectronRates::of_each(stand.sensors(), &image)?;
-        stand.learn(learner, rates, settings, item)
+        stand.learn(learner, rates, &mut FixedPattern::default(), settings, item)
     }
 
     /// This camera before a scene, whose target has no optical image of its own. With an illuminant, the scene is as if under it, which
@@ -305,6 +309,13 @@ impl Camera {
         Ok(camera)
     }
 
+    /// The lens of this camera, with at most a narrow margin around a scene.
+    pub(crate) fn training_optics(&self) -> Optics {
+        let padding = &self.optics.padding;
+        let padding = Padding { margin: padding.margin.min(WIDEST_MARGIN), ..*padding };
+        Optics { padding, ..self.optics.clone() }
+    }
+
     /// The targets of a scene, one plane per output.
     fn training_target(
         &self,
@@ -312,13 +323,13 @@ impl Camera {
         settings: &TrainingSettings,
         exposure: &Exposure,
     ) -> Result<Planes, CameraError> {
-        let optics = match settings.sharp {
-            true => Optics { model: OpticsModel::Pinhole, ..self.optics.clone() },
-            false => self.optics.clone(),
+        let optics = match (self.training_optics(), settings.sharp) {
+            (optics, true) => Optics { model: OpticsModel::Pinhole, ..optics },
+            (optics, false) => optics,
         };
         let image = match &settings.target_light {
-            Some(other) => optics.image(&relit_white(scene, other)?)?,
-            None => optics.image(scene)?,
+            Some(other) => optics.image_of_scene(&relit_white(scene, other)?)?,
+            None => optics.image_of_scene(scene)?,
         };
         let seen = self.seen_by(&image, &self.target_channels(&settings.target)?)?;
         self.target_as_exposed(seen, &settings.target, exposure, scene.illuminant())

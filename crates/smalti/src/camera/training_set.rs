@@ -7,9 +7,9 @@ use crate::color::jakob_hanika2019::Uplift;
 use crate::scene::{Glints, Scene, Setting, catalog};
 use crate::spectrum::{Illuminant, Observer, Spectrum, WavelengthGrid, reflectance};
 
-/// Revision of the default training set of the first stage. It increases when the scenes or their parts that are learned from change, so
-/// that cached statistics are not reused. That of the second stage is part of [`REFINEMENT_REVISION`](crate::l3::REFINEMENT_REVISION).
-pub const TRAINING_SET_REVISION: u32 = 3;
+/// Revision of the default training set of the first stage. It increases when the scenes, their optical images or their parts that are
+/// learned from change, so that cached statistics are not reused. That of the second stage is part of [`REFINEMENT_REVISION`](crate::l3::REFINEMENT_REVISION).
+pub const TRAINING_SET_REVISION: u32 = 4;
 
 /// The illuminant of training where none is given.
 pub const DEFAULT_TRAINING_LIGHT: Illuminant = Illuminant::D65;

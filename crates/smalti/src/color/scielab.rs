@@ -333,8 +333,10 @@ fn blur(plane: &[f32], (rows, cols): (usize, usize), kernel: &[Gaussian], extens
         across.par_chunks_mut(cols * ROWS).zip(plane.par_chunks(cols * ROWS)).for_each(|(out, rows)| {
             let mut padded = vec![0.0; cols + 2 * radius];
             for (out, row) in out.chunks_exact_mut(cols).zip(rows.chunks_exact(cols)) {
-                for (i, p) in padded.iter_mut().enumerate() {
-                    *p = row[outside(i as isize - radius as isize, cols, extension)];
+                padded[radius..radius + cols].copy_from_slice(row);
+                for i in 0..radius {
+                    padded[i] = row[outside(i as isize - radius as isize, cols, extension)];
+                    padded[radius + cols + i] = row[outside((cols + i) as isize, cols, extension)];
                 }
                 let lines: Vec<&[f32]> = padded.windows(cols).collect();
                 dispatch(SymmetricSum { half, lines: &lines, out });

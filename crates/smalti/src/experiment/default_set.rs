@@ -12,7 +12,7 @@ use crate::camera::{Camera, CameraError, Stand, SurfaceReflectances, TrainingSce
 use crate::l3::Learner;
 use crate::optics::OpticalImage;
 use crate::scene::Scene;
-use crate::sensor::ElectronRates;
+use crate::sensor::{ElectronRates, FixedPattern};
 use crate::spectrum::Illuminant;
 
 /// Trainings of later turns that keep the light of the scenes of a stage. Others image the scenes again.
@@ -57,11 +57,24 @@ pub(super) type LitScenes = VecDeque<Lit>;
 
 /// A training and what learns for it. It has the light of all scenes if they were imaged for it before, otherwise of none.
 pub(super) struct Gathering<'a, L> {
-    pub(super) of: &'a DefaultTraining,
+    of: &'a DefaultTraining,
     /// The illuminant that the scenes are built under.
-    pub(super) built_under: &'a Illuminant,
-    pub(super) learner: &'a mut L,
-    pub(super) lit: LitScenes,
+    built_under: &'a Illuminant,
+    learner: &'a mut L,
+    lit: LitScenes,
+    /// The fixed pattern of its sensor, once a scene was learned from.
+    drawn: FixedPattern,
+}
+
+impl<'a, L> Gathering<'a, L> {
+    pub(super) fn new(
+        of: &'a DefaultTraining,
+        built_under: &'a Illuminant,
+        learner: &'a mut L,
+        lit: LitScenes,
+    ) -> Self {
+        Self { of, built_under, learner, lit, drawn: FixedPattern::default() }
+    }
 }
 
 /// A training whose turn comes later, and where the light of the scenes is kept for it.
@@ -138,6 +151,7 @@ impl<L: Learner> Group<'_, L> {
         let needs_images = !self.later.is_empty() || self.now.iter().any(|g| g.lit.is_empty());
         let reflectances =
             SurfaceReflectances::new(first.camera.grid()).in_context(|| first.label.clone())?;
+        let optics = first.camera.training_optics();
         let imaged = |scene: &TrainingScene| -> Result<_, ExperimentError> {
             if !needs_images {
                 return Ok(None);
@@ -147,7 +161,7 @@ impl<L: Learner> Group<'_, L> {
             let context = || format!("scene {}", scene.content);
             let built = scene.build(&first.camera, &reflectances, stored).in_context(context);
             let built = built.map_err(failed)?;
-            let shared = || first.camera.optics.image(&built).in_context(context).map_err(failed);
+            let shared = || optics.image_of_scene(&built).in_context(context).map_err(failed);
             let image = (!settings.has_own_images()).then(shared).transpose()?;
             Ok(Some((built, image)))
         };
@@ -216,7 +230,7 @@ impl<L: Learner> Group<'_, L> {
         }
         self.now.par_iter_mut().try_for_each(|g| {
             let Lit { stand, rates } = g.lit.pop_front().ok_or(ExperimentError::NoScene)?;
-            stand.learn(g.learner, rates, settings, item).map_err(|e| failed(e, g.of))
+            stand.learn(g.learner, rates, &mut g.drawn, settings, item).map_err(|e| failed(e, g.of))
         })
     }
 }
@@ -245,7 +259,7 @@ mod tests {
             let spectrum = of.light.photons(camera.grid()).unwrap();
             let mut statistics = camera.training_statistics(&settings, &spectrum).unwrap();
             let (built_under, lit) = (&scene.light, LitScenes::new());
-            let now = vec![Gathering { of: &of, built_under, learner: &mut statistics, lit }];
+            let now = vec![Gathering::new(&of, built_under, &mut statistics, lit)];
             let image = camera.optics.image(&built).unwrap();
             let mut group = Group { first: &of, built_under, now, later: Vec::new() };
             group.add_scene((scene, 7), Some(&(built, Some(image))), &settings).unwrap();

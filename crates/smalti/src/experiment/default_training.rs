@@ -145,7 +145,7 @@ impl DefaultLessons {
         let mut now: Vec<Lesson> = lessons.drain(..count.min(lessons.len())).collect();
         let new = now.iter_mut().filter(|lesson| lesson.is_new).map(|lesson| {
             let Lesson { of, built_under, statistics, lit: [lit, _], .. } = lesson;
-            Gathering { of, built_under, learner: statistics, lit: std::mem::take(lit) }
+            Gathering::new(of, built_under, statistics, std::mem::take(lit))
         });
         let later = lessons.iter_mut().filter(|lesson| lesson.is_new).map(|lesson| {
             let Lesson { of, lit: [lit, _], .. } = lesson;
@@ -172,7 +172,7 @@ impl DefaultLessons {
         }
         let missing = stages.iter_mut().map(|(stage, lesson)| {
             let Lesson { of, built_under, lit: [_, lit], .. } = &mut **lesson;
-            Gathering { of, built_under, learner: stage, lit: std::mem::take(lit) }
+            Gathering::new(of, built_under, stage, std::mem::take(lit))
         });
         let later = lessons.iter_mut().filter(|lesson| lesson.both.is_none()).map(|lesson| {
             let Lesson { of, lit: [_, lit], .. } = lesson;

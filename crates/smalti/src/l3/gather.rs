@@ -26,9 +26,9 @@ const PART_PATCHES: usize = 4096;
 /// Size of a batch of patches, in doubles: 16 KiB, which stays in the L1 cache beside the sums and leaves
 /// room for a second thread on the core.
 const BATCH: usize = 2048;
-/// Bits of the class number per pass of the radix sort.
+/// The most bits of the class number per pass of the radix sort.
 const DIGIT_BITS: u32 = 11;
-/// Lists shorter than this are sorted by comparison, since a counting pass must clear 2¹¹ counters.
+/// Lists shorter than this are sorted by comparison, since a counting pass must clear up to 2¹¹ counters.
 const SHORT: usize = 512;
 
 /// Accumulates a pair of images.
@@ -173,27 +173,27 @@ impl<'a> Gatherer<'a> {
         for row in rows.clone() {
             let at = self.phase[0] + first + row;
             let (tile_row, down) = (at / tile[0], at % tile[0]);
-            let inner = half..cols - half;
             self.classifier.row(window, row - rows.start, [down, self.phase[1]], 0..cols, classes);
-            let here = down * tile[1];
-            let at = self.phase[1] + half;
-            let (mut tile_col, mut right) = (at / tile[1], at % tile[1]);
             let pixels = (row * cols) as u64;
-            for col in inner {
-                if self.tiles.contains(tile_row, tile_col) {
-                    let range = &mut trained[here + right];
-                    *range = [range[0].min(classes.mean[col]), range[1].max(classes.mean[col])];
-                    let number = (here + right) as u64 * locals + u64::from(classes.local[col]);
+            let start = self.phase[1] + half;
+            // The pixels of one column of the tile at a time: their mean responses have a range in common.
+            for right in 0..tile[1] {
+                let at = start + (right + tile[1] - start % tile[1]) % tile[1];
+                let (step, skipped) = self.tiles.step_and_skipped(tile_row, at / tile[1]);
+                let position = down * tile[1] + right;
+                let [mut least, mut most] = trained[position];
+                for col in (at + skipped * tile[1] - self.phase[1]..cols - half).step_by(step * tile[1]) {
+                    let mean = classes.mean[col];
+                    least = if mean < least { mean } else { least };
+                    most = if mean > most { mean } else { most };
+                    let number = position as u64 * locals + u64::from(classes.local[col]);
                     let entry = number << 32 | (pixels + col as u64);
                     match classes.saturation[col] {
                         0 => open.push(entry),
                         clipped => by_saturation.entry(clipped).or_default().push(entry),
                     }
                 }
-                right += 1;
-                if right == tile[1] {
-                    (tile_col, right) = (tile_col + 1, 0);
-                }
+                trained[position] = [least, most];
             }
         }
         if !open.is_empty() {
@@ -208,18 +208,23 @@ impl<'a> Gatherer<'a> {
 /// Stable sort of entries by the bits above their lower 32, whose value is below `most`.
 fn sort(entries: &mut Vec<u64>, most: u64) {
     if entries.len() < SHORT {
-        // The lower bits already ascend, so comparing whole entries keeps the order.
+        // The lower bits ascend within each class already, so that comparing whole entries keeps their order.
         entries.sort_unstable();
         return;
     }
     let bits = u64::BITS - (most.max(1) - 1).leading_zeros();
+    let passes = bits.div_ceil(DIGIT_BITS);
+    // Clearing and summing counters beyond those that a pass needs would take as long as sorting.
+    let digit_bits = bits.div_ceil(passes.max(1));
     let mut other = vec![0; entries.len()];
-    for pass in 0..bits.div_ceil(DIGIT_BITS) {
-        let digit = |entry: u64| (entry >> (32 + pass * DIGIT_BITS)) as usize & ((1 << DIGIT_BITS) - 1);
-        let mut places = [0usize; 1 << DIGIT_BITS];
+    let mut counters = [0usize; 1 << DIGIT_BITS];
+    for pass in 0..passes {
+        let digit = |entry: u64| (entry >> (32 + pass * digit_bits)) as usize & ((1 << digit_bits) - 1);
+        let places = &mut counters[..1 << digit_bits];
+        places.fill(0);
         entries.iter().for_each(|&e| places[digit(e)] += 1);
         let mut sum = 0;
-        for place in &mut places {
+        for place in places.iter_mut() {
             sum += std::mem::replace(place, sum);
         }
         for &entry in entries.iter() {
@@ -368,25 +373,32 @@ mod tests {
         let raw = RawImage::new(rows, cols, samples, sampling, names, 0.0, 1.0).unwrap();
         let target = Planes::zeros(rows, cols, 1);
         let pair = Pair { raw: &raw, seen: None, target: &target };
-        let gatherer = Gatherer::new(&axes, 1, (&pair, Tiles::All), phase);
-        let mut seen = vec![0; rows * cols];
-        for band in gatherer.bands() {
-            for (saturation, list) in gatherer.sorted(&band).into_iter().flat_map(|part| part.by_saturation) {
-                assert!(list.is_sorted());
-                for entry in list {
-                    let pixel = entry as u32 as usize;
-                    let (row, col) = (band.start + pixel / cols, pixel % cols);
-                    seen[row * cols + col] += 1;
-                    let key = gatherer.key(saturation, entry >> 32);
-                    let position = (phase[0] + row) % 6 * 6 + (phase[1] + col) % 6;
-                    assert_eq!((key.position as usize, key.saturation), (position, saturation));
-                    let (texture, level) = (usize::from(key.texture), usize::from(key.level));
-                    assert!(texture < axes.textures().count() && level < axes.level_count());
-                }
-            }
-        }
         // The patches of the outermost pixels do not lie within the image.
         let inside = |i: usize| (1..rows - 1).contains(&(i / cols)) && (1..cols - 1).contains(&(i % cols));
-        assert!(seen.iter().enumerate().all(|(i, n)| *n == u32::from(inside(i))));
+        for tiles in [Tiles::All, Tiles::Even, Tiles::Odd] {
+            let gatherer = Gatherer::new(&axes, 1, (&pair, tiles), phase);
+            let mut seen = vec![0; rows * cols];
+            for band in gatherer.bands() {
+                let parts = gatherer.sorted(&band).into_iter();
+                for (saturation, list) in parts.flat_map(|part| part.by_saturation) {
+                    assert!(list.is_sorted());
+                    for entry in list {
+                        let pixel = entry as u32 as usize;
+                        let (row, col) = (band.start + pixel / cols, pixel % cols);
+                        seen[row * cols + col] += 1;
+                        let key = gatherer.key(saturation, entry >> 32);
+                        let position = (phase[0] + row) % 6 * 6 + (phase[1] + col) % 6;
+                        assert_eq!((key.position as usize, key.saturation), (position, saturation));
+                        let (texture, level) = (usize::from(key.texture), usize::from(key.level));
+                        assert!(texture < axes.textures().count() && level < axes.level_count());
+                    }
+                }
+            }
+            let chosen = |i: usize| {
+                let tile = (phase[0] + i / cols) / 6 + (phase[1] + i % cols) / 6;
+                inside(i) && (tiles == Tiles::All || tile.is_multiple_of(2) == (tiles == Tiles::Even))
+            };
+            assert!(seen.iter().enumerate().all(|(i, n)| *n == u32::from(chosen(i))), "{tiles:?}");
+        }
     }
 }

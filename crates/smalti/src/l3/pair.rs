@@ -29,12 +29,12 @@ pub enum Tiles {
 }
 
 impl Tiles {
-    /// Whether the tile in a row and a column of tiles is one of them.
-    pub(super) fn contains(self, row: usize, col: usize) -> bool {
+    /// The step between those among the tiles of a row, and the number of tiles from that in a column on before the first of them.
+    pub(super) fn step_and_skipped(self, row: usize, col: usize) -> (usize, usize) {
         match self {
-            Self::All => true,
-            Self::Even => (row + col).is_multiple_of(2),
-            Self::Odd => !(row + col).is_multiple_of(2),
+            Self::All => (1, 0),
+            Self::Even => (2, (row + col) % 2),
+            Self::Odd => (2, (row + col + 1) % 2),
         }
     }
 }

@@ -90,12 +90,13 @@ impl<S: Copy + Default> Window<S> {
         let len = (rows + 2 * above) * self.stride;
         self.data.resize(len + REGISTER_BYTES, S::default());
         self.base = self.data.as_ptr().align_offset(REGISTER_BYTES).min(REGISTER_BYTES);
+        let beyond = (0..left).chain(left + cols..cols + 2 * left);
+        let source = |c: usize| (c, left + mirrored(c as isize - left as isize, cols, tile[1]));
+        let beyond: Vec<(usize, usize)> = beyond.map(source).collect();
         for (i, line) in self.data[self.base..][..len].chunks_exact_mut(self.stride).enumerate() {
             let row = mirrored(first as isize + i as isize - above as isize, image_rows, tile[0]);
             read(row, &mut line[left..left + cols]);
-            for c in (0..left).chain(left + cols..cols + 2 * left) {
-                line[c] = line[left + mirrored(c as isize - left as isize, cols, tile[1])];
-            }
+            beyond.iter().for_each(|&(to, from)| line[to] = line[from]);
             line[cols + 2 * left..].fill(S::default());
         }
     }

@@ -30,16 +30,33 @@ pub fn psnr(image: &Planes, reference: &Planes, region: Rect, peak: f64) -> Resu
         let (name, expected) = ("peak", "a finite number above 0");
         return Err(MetricError::Parameter { name, value: peak, expected });
     }
-    let mse = |(image_plane, reference_plane): (&[f32], &[f32])| {
-        let cols = image.cols();
-        let pairs = region.values(image_plane, cols).zip(region.values(reference_plane, cols));
-        pairs.map(|(a, b)| (a - b) * (a - b)).sum::<f64>() / region.len() as f64
+    let pairs: Vec<_> = image.planes().zip(reference.planes()).collect();
+    let sums = match *pairs.as_slice() {
+        [x, y, z] => squared_differences([x, y, z], image.cols(), region).to_vec(),
+        _ => pairs.iter().flat_map(|pair| squared_differences([*pair], image.cols(), region)).collect(),
     };
-    let mse: Vec<f64> = image.planes().zip(reference.planes()).map(mse).collect();
+    let mse: Vec<f64> = sums.iter().map(|sum| sum / region.len() as f64).collect();
     finite("the mean squared error of the planes", mse.iter().copied())?;
     let decibels = |mse: f64| 10.0 * (peak * peak / mse).log10();
     let cmse = mse.iter().sum::<f64>() / mse.len() as f64;
     Ok(Psnr { psnr_db: mse.iter().map(|&v| decibels(v)).collect(), cpsnr_db: decibels(cmse), mse, cmse })
+}
+
+/// The sums of the squared differences of pairs of planes within a region, in the order of pixels. An addition waits for the one before it
+/// in the same sum, while those of the other pairs proceed.
+fn squared_differences<const N: usize>(pairs: [(&[f32], &[f32]); N], cols: usize, region: Rect) -> [f64; N] {
+    let mut sums = [0.0; N];
+    for row in region.row..region.row + region.rows {
+        let within = row * cols + region.col..row * cols + region.col + region.cols;
+        let lines = pairs.map(|(a, b)| (&a[within.clone()], &b[within.clone()]));
+        for i in 0..region.cols {
+            for (sum, (a, b)) in sums.iter_mut().zip(&lines) {
+                let difference = f64::from(a[i]) - f64::from(b[i]);
+                *sum += difference * difference;
+            }
+        }
+    }
+    sums
 }
 
 /// Checks that two images have the same rows, columns and planes, at least one of each.
@@ -67,6 +84,27 @@ mod tests {
         let scaled = |p: &Planes| Planes::new(2, 2, 2, p.data().iter().map(|v| v * 255.0).collect()).unwrap();
         let s = psnr(&scaled(&a), &scaled(&b), Rect::whole(2, 2), 255.0).unwrap();
         assert!((s.cpsnr_db - r.cpsnr_db).abs() < 1e-9);
+    }
+
+    /// The planes of a picture have the errors that each has alone, within a region as well.
+    #[test]
+    fn planes_do_not_change_each_other() {
+        let planes = |count: usize, seed: usize| {
+            let values = (0..count * 5 * 7).map(|i| ((i * i + seed * i) % 53) as f32 / 53.0).collect();
+            Planes::new(5, 7, count, values).unwrap()
+        };
+        let region = Rect { row: 1, col: 2, rows: 3, cols: 4 };
+        for count in [1, 2, 3, 4] {
+            let (a, b) = (planes(count, 3), planes(count, 8));
+            let together = psnr(&a, &b, region, 1.0).unwrap();
+            for (i, (x, y)) in a.planes().zip(b.planes()).enumerate() {
+                let one = |plane: &[f32]| Planes::new(5, 7, 1, plane.to_vec()).unwrap();
+                let differences =
+                    region.values(x, 7).zip(region.values(y, 7)).map(|(x, y)| (x - y) * (x - y));
+                assert_eq!(together.mse[i], differences.sum::<f64>() / 12.0);
+                assert_eq!(psnr(&one(x), &one(y), region, 1.0).unwrap().mse, [together.mse[i]]);
+            }
+        }
     }
 
     #[test]

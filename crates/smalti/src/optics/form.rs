@@ -32,6 +32,20 @@ impl Optics {
     /// spread functions do not cover the scene's wavelengths, or the blur is too steep or too wide to
     /// compute.
     pub fn image(&self, scene: &Scene) -> Result<OpticalImage, OpticsError> {
+        self.form(scene, |extent| extent)
+    }
+
+    /// [`Optics::image`] of the size of the scene: without the margin of dark surroundings and the light that spreads into it. Up to
+    /// rounding, the samples are those in the middle of the image.
+    ///
+    /// # Errors
+    /// As [`Optics::image`].
+    pub fn image_of_scene(&self, scene: &Scene) -> Result<OpticalImage, OpticsError> {
+        self.form(scene, Extent::without_margin)
+    }
+
+    /// The image, of which `kept` chooses a part of the padded scene.
+    fn form(&self, scene: &Scene, kept: fn(Extent) -> Extent) -> Result<OpticalImage, OpticsError> {
         let radiance = scene.radiance();
         let grid = radiance.grid();
         let geometry = self.geometry(scene.distance_m())?;
@@ -56,7 +70,7 @@ impl Optics {
             });
             planes
         } else {
-            let frame = self.frame(radiance, spacing_m, blur.reach_m())?;
+            let frame = self.frame(radiance, (spacing_m, blur.reach_m()), kept)?;
             let mut planes = Planes::zeros(frame.rows.out, frame.cols.out, grid.len());
             let groups = rayon::current_num_threads().min(grid.len() / BANDS_PER_GROUP).max(1);
             let per_group = grid.len().div_ceil(groups);
@@ -76,15 +90,19 @@ impl Optics {
         Ok(OpticalImage::new(SpectralCube::new(grid, planes)?, spacing_m)?)
     }
 
-    fn frame(&self, radiance: &SpectralCube, spacing_m: f64, reach_m: f64) -> Result<Frame, OpticsError> {
+    fn frame(
+        &self,
+        radiance: &SpectralCube,
+        (spacing_m, reach_m): (f64, f64),
+        kept: fn(Extent) -> Extent,
+    ) -> Result<Frame, OpticsError> {
         let (rows, cols) = (radiance.rows(), radiance.cols());
         let longest = rows.max(cols) as f64;
         let reach = (reach_m / spacing_m).ceil();
         if reach.is_nan() || reach > WIDEST_BLUR * longest {
             return Err(OpticsError::BlurTooWide { radius_m: reach_m, image_m: longest * spacing_m });
         }
-        let rows = self.padding.extent(rows, reach as usize);
-        let cols = self.padding.extent(cols, reach as usize);
+        let [rows, cols] = [rows, cols].map(|len| kept(self.padding.extent(len, reach as usize)));
         Ok(Frame { fft: RealFft2::new(rows.total, cols.total)?, rows, cols, spacing_m })
     }
 }

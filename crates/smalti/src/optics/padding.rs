@@ -32,7 +32,7 @@ pub struct Padding {
     /// What is beyond the border.
     pub boundary: Boundary,
     /// Width of the margin on each side, as a fraction (0–4) of the rows above and below and of the columns left
-    /// and right; rounded to whole samples.
+    /// and right; rounded to whole samples. Pipelines are learned with at most 1/16.
     pub margin: f64,
 }
 
@@ -70,6 +70,11 @@ pub(super) struct Extent {
 }
 
 impl Extent {
+    /// The same torus, of which only the scene is the result.
+    pub(super) fn without_margin(self) -> Self {
+        Self { offset: 0, out: self.len, ..self }
+    }
+
     /// The scene sample that stands at place `i` of the torus; `None` where it is dark.
     pub(super) fn source(&self, i: usize) -> Option<usize> {
         if (self.offset..self.offset + self.len).contains(&i) {

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::collect::{Collector, Rates};
+use super::collect::{Collector, LightBand, Rates};
 use super::electron_rates::ElectronRates;
 use super::pattern::Pattern;
 use super::pixel_spectra::{FilteredLight, PixelSpectra};
@@ -15,7 +15,7 @@ use super::{
 };
 use crate::numeric::Planes;
 use crate::numeric::poisson::LANES;
-use crate::numeric::simd::{Kernel, dispatch};
+use crate::numeric::simd::dispatch;
 use crate::optics::OpticalImage;
 
 /// The light on a sensor.
@@ -122,7 +122,7 @@ impl Sensor {
     /// same bits on any machine and for any number of threads.
     ///
     /// Pixels outside the optical image receive no light; wavelengths outside its grid count as dark. An
-    /// image and its [`PixelSpectra`] give equal results up to rounding of the mean number of photoelectrons.
+    /// image, its [`PixelSpectra`] and its [`ElectronRates`] give equal results up to rounding of the mean number of photoelectrons.
     ///
     /// # Errors
     /// When the sensor or the exposure is invalid, a curve does not cover the wavelengths of the light, or
@@ -259,50 +259,5 @@ impl Sensor {
             });
         }
         Ok(out)
-    }
-}
-
-/// Photoelectrons per second of a band of rows, after crosstalk.
-struct LightBand<'a, R> {
-    sensor: &'a Sensor,
-    rates: &'a R,
-    plane: usize,
-    first_row: usize,
-    out: &'a mut [f32],
-}
-
-impl<R: Rates> Kernel for LightBand<'_, R> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let cols = self.sensor.read_window().cols;
-        let (_, width) = self.rates.size();
-        let mut lines = Vec::new();
-        let Some(kernel) = &self.sensor.crosstalk else {
-            for (i, row) in self.out.chunks_exact_mut(cols).enumerate() {
-                self.rates.gather_row(self.first_row + i, self.plane, &mut lines, row);
-            }
-            return;
-        };
-        let rows = self.out.len() / cols;
-        let mut wide = vec![0.0; (rows + 2) * width];
-        for (i, row) in wide.chunks_exact_mut(width).enumerate() {
-            self.rates.gather_row(self.first_row + i, self.plane, &mut lines, row);
-        }
-        self.out.fill(0.0);
-        for (i, row) in self.out.chunks_exact_mut(cols).enumerate() {
-            for (dy, weights) in kernel.iter().enumerate() {
-                for (dx, &weight) in weights.iter().enumerate() {
-                    // The contribution of pixel (r, c) to pixel (r + dy − 1, c + dx − 1), indexed by the
-                    // receiving pixel.
-                    let at = (i + 2 - dy) * width + 2 - dx;
-                    let weight = weight as f32;
-                    for (o, l) in row.iter_mut().zip(&wide[at..at + cols]) {
-                        *o += weight * l;
-                    }
-                }
-            }
-        }
     }
 }

@@ -65,6 +65,20 @@ impl Sensor {
         (rows.taps(row_range), cols.taps(col_range))
     }
 
+    /// Whether this sensor, without binning, collects the same light as another, before any filter.
+    pub(super) fn collects_as(&self, other: &Self) -> bool {
+        let of = |s: &Self| {
+            let (pixel, border) = (&s.pixel, s.crosstalk.is_some());
+            (s.rows, s.cols, s.read_window(), pixel.pitch_m, pixel.fill_factor, s.aperture, border)
+        };
+        of(self) == of(other)
+    }
+
+    /// Whether pixels are smaller than the samples of an image. Rounding does not decide.
+    pub(super) fn is_finer_than(&self, image: &OpticalImage) -> bool {
+        self.pixel.pitch_m < 0.999 * image.sample_spacing_m()
+    }
+
     /// Rows and columns of the image within the field of view of the window.
     pub(super) fn footprint(&self, image: &OpticalImage) -> [Range<usize>; 2] {
         let (rows, cols) = self.taps(image);
@@ -244,6 +258,51 @@ impl Kernel for SpectralRow<'_> {
                     }
                     for (out, sum) in out.iter_mut().zip(sums) {
                         *out = sum.min(LARGEST_RATE);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Photoelectrons per second of a band of rows, after crosstalk.
+pub(super) struct LightBand<'a, R> {
+    pub(super) sensor: &'a Sensor,
+    pub(super) rates: &'a R,
+    pub(super) plane: usize,
+    pub(super) first_row: usize,
+    pub(super) out: &'a mut [f32],
+}
+
+impl<R: Rates> Kernel for LightBand<'_, R> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let cols = self.sensor.read_window().cols;
+        let (_, width) = self.rates.size();
+        let mut lines = Vec::new();
+        let Some(kernel) = &self.sensor.crosstalk else {
+            for (i, row) in self.out.chunks_exact_mut(cols).enumerate() {
+                self.rates.gather_row(self.first_row + i, self.plane, &mut lines, row);
+            }
+            return;
+        };
+        let rows = self.out.len() / cols;
+        let mut wide = vec![0.0; (rows + 2) * width];
+        for (i, row) in wide.chunks_exact_mut(width).enumerate() {
+            self.rates.gather_row(self.first_row + i, self.plane, &mut lines, row);
+        }
+        self.out.fill(0.0);
+        for (i, row) in self.out.chunks_exact_mut(cols).enumerate() {
+            for (dy, weights) in kernel.iter().enumerate() {
+                for (dx, &weight) in weights.iter().enumerate() {
+                    // The contribution of pixel (r, c) to pixel (r + dy − 1, c + dx − 1), indexed by the
+                    // receiving pixel.
+                    let at = (i + 2 - dy) * width + 2 - dx;
+                    let weight = weight as f32;
+                    for (o, l) in row.iter_mut().zip(&wide[at..at + cols]) {
+                        *o += weight * l;
                     }
                 }
             }

@@ -2,10 +2,15 @@
 //! several amounts of it.
 
 use std::borrow::Cow;
+use std::sync::Arc;
 
-use super::collect::Collector;
+use rayon::prelude::*;
+
+use super::collect::{Collector, LightBand};
 use super::pattern::Pattern;
+use super::pixel_spectra::FilteredLight;
 use super::{PixelSpectra, Sensor, SensorError};
+use crate::numeric::simd::dispatch;
 use crate::numeric::{Planes, Rect, require};
 use crate::optics::OpticalImage;
 
@@ -17,7 +22,7 @@ use crate::optics::OpticalImage;
 pub struct ElectronRates {
     window: Rect,
     per_s: Planes,
-    pattern: Option<Pattern>,
+    pattern: Option<Arc<Pattern>>,
 }
 
 impl ElectronRates {
@@ -26,12 +31,8 @@ impl ElectronRates {
     /// # Errors
     /// When the sensor is invalid, or a curve does not cover the wavelengths of the image.
     pub fn new(sensor: &Sensor, image: &OpticalImage) -> Result<Self, SensorError> {
-        sensor.validate()?;
-        Ok(Self {
-            window: sensor.unbinned().read_window(),
-            per_s: sensor.electrons(image.into(), 1.0)?,
-            pattern: None,
-        })
+        let [rates] = Self::of_each([sensor], image)?;
+        Ok(rates)
     }
 
     /// The rates of photons that stand gathered on the pixels of a sensor.
@@ -58,6 +59,10 @@ impl ElectronRates {
     /// The rates of an image on several sensors, in groups of `N`: those of [`ElectronRates::new`], but the image is read once, which
     /// takes longer than the products.
     ///
+    /// If the samples of the image are as close as the pixels or closer, the light is first collected by the photodetectors and then
+    /// integrated over wavelength, which is less work. Otherwise the order is that of [`Sensor::capture`]. Both give the same rates up to
+    /// rounding.
+    ///
     /// # Errors
     /// As [`ElectronRates::new`].
     pub fn of_all<const N: usize>(
@@ -76,12 +81,27 @@ impl ElectronRates {
         let places: Vec<[usize; N]> = sensors.iter().map(|s| s.map(&mut place)).collect();
         let fine: Vec<Cow<'_, Sensor>> = distinct.into_iter().map(Sensor::unbinned).collect();
         let fine: Vec<&Sensor> = fine.iter().map(|s| &**s).collect();
-        let rates = |c: &Collector<'_>| Self {
-            window: c.sensor.read_window(),
-            per_s: c.sensor.electrons_from(c, 1.0),
-            pattern: None,
+        let dark = |sensor: &&Sensor| {
+            let window = sensor.read_window();
+            let per_s = Planes::zeros(window.rows, window.cols, sensor.sampling().planes());
+            Self { window, per_s, pattern: None }
         };
-        let rates: Vec<Self> = Collector::of_all(&fine, image)?.iter().map(rates).collect();
+        let mut rates: Vec<Self> = fine.iter().map(dark).collect();
+        let mut left: Vec<(&Sensor, &mut Planes)> =
+            fine.iter().copied().zip(rates.iter_mut().map(|r| &mut r.per_s)).collect();
+        while let Some(&(first, _)) = left.first() {
+            let (alike, others): (Vec<_>, Vec<_>) =
+                left.into_iter().partition(|(sensor, _)| sensor.collects_as(first));
+            let (sensors, planes): (Vec<_>, Vec<_>) = alike.into_iter().unzip();
+            if first.is_finer_than(image) {
+                for (collector, planes) in Collector::of_all(&sensors, image)?.iter().zip(planes) {
+                    *planes = collector.sensor.electrons_from(collector, 1.0);
+                }
+            } else {
+                through_pixels(&sensors, image, planes)?;
+            }
+            left = others;
+        }
         Ok(places.into_iter().map(|places| places.map(|place| rates[place].clone())).collect())
     }
 
@@ -89,13 +109,24 @@ impl ElectronRates {
     /// not draw again. The captures have the same bits. Rates of another window or of other planes get none.
     #[must_use]
     pub fn with_pattern_of(self, sensor: &Sensor) -> Self {
+        self.with_pattern_of_any(sensor, &mut FixedPattern::default())
+    }
+
+    /// [`with_pattern_of`](Self::with_pattern_of) with the pattern of earlier rates, if it is the same.
+    #[must_use]
+    pub(crate) fn with_pattern_of_any(self, sensor: &Sensor, drawn: &mut FixedPattern) -> Self {
         let sensor = sensor.unbinned();
-        let pattern = self.ensure_of(&sensor, 1.0).ok().and_then(|()| Pattern::new(&sensor));
-        Self { pattern, ..self }
+        if self.ensure_of(&sensor, 1.0).is_err() {
+            return Self { pattern: None, ..self };
+        }
+        if !drawn.0.as_ref().is_some_and(|pattern| pattern.suits(&sensor)) {
+            drawn.0 = Pattern::new(&sensor).map(Arc::new);
+        }
+        Self { pattern: drawn.0.clone(), ..self }
     }
 
     pub(super) fn pattern(&self) -> Option<&Pattern> {
-        self.pattern.as_ref()
+        self.pattern.as_deref()
     }
 
     /// An error unless these are rates of the window of a sensor without binning, and the factor is one of light.
@@ -113,4 +144,52 @@ impl ElectronRates {
             *o = rate * factor;
         }
     }
+}
+
+/// The random numbers behind the fixed pattern of a sensor, kept for the next captures.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct FixedPattern(Option<Arc<Pattern>>);
+
+/// The most rows that are collected at a time, and the most samples of their spectra, which stay in the cache until all sensors have
+/// integrated them; but at least one row.
+const BAND_ROWS: usize = 32;
+const BAND_SAMPLES: usize = 1 << 19;
+
+/// The rates of an image on sensors whose photodetectors are alike, one plane for each of its samples, collected before they are
+/// integrated over wavelength.
+fn through_pixels(
+    sensors: &[&Sensor],
+    image: &OpticalImage,
+    planes: Vec<&mut Planes>,
+) -> Result<(), SensorError> {
+    let Some(window) = sensors.first().map(|s| s.read_window()) else { return Ok(()) };
+    let band_rows = BAND_SAMPLES / (window.cols * image.irradiance().grid().len());
+    let band_rows = band_rows.clamp(1, BAND_ROWS);
+    // For each band, the rows of each plane of each sensor.
+    let mut bands: Vec<Vec<Vec<&mut [f32]>>> = Vec::new();
+    bands.resize_with(window.rows.div_ceil(band_rows), Vec::new);
+    for planes in planes {
+        bands.iter_mut().for_each(|band| band.push(Vec::with_capacity(planes.count())));
+        for plane in planes.planes_mut() {
+            for (band, rows) in bands.iter_mut().zip(plane.chunks_mut(band_rows * window.cols)) {
+                if let Some(of) = band.last_mut() {
+                    of.push(rows);
+                }
+            }
+        }
+    }
+    bands.into_par_iter().enumerate().try_for_each(|(i, band)| {
+        let row = i * band_rows;
+        let part = Rect { row: window.row + row, rows: band_rows.min(window.rows - row), ..window };
+        let part_of = |sensor: &Sensor| Sensor { window: Some(part), ..sensor.clone() };
+        let light = PixelSpectra::on_one_thread(&part_of(sensors[0]), image)?;
+        for (sensor, planes) in sensors.iter().zip(band) {
+            let sensor = &part_of(sensor);
+            let rates = &FilteredLight::new(sensor, &light)?;
+            for (plane, out) in planes.into_iter().enumerate() {
+                dispatch(LightBand { sensor, rates, plane, first_row: 0, out });
+            }
+        }
+        Ok(())
+    })
 }

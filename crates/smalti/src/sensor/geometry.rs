@@ -101,7 +101,37 @@ impl AxisGeometry {
     }
 }
 
+/// Pixels of a run with equally many weights each, whose first samples are equally far apart.
+pub(super) struct EvenTaps {
+    pub(super) pixels: Range<usize>,
+    /// First sample of the first pixel, and the distance to that of the next.
+    pub(super) first: usize,
+    pub(super) step: usize,
+    /// For each weight of a pixel, those of all pixels.
+    pub(super) weights: Vec<Vec<f32>>,
+}
+
 impl Taps {
+    /// The first run of evenly spaced pixels that all have the largest number of weights. Where pixels are a whole number of samples apart,
+    /// these are nearly all, unless rounding gives some of them a further, negligible weight.
+    pub(super) fn even(&self) -> EvenTaps {
+        let weights = |i: usize| self.weights_of(i).len();
+        let pixels = self.first_sample.len();
+        let start = (0..pixels).find(|&i| weights(i) == self.most).unwrap_or(pixels);
+        let step =
+            |i: usize| self.first_sample.get(i + 1).and_then(|next| next.checked_sub(self.first_sample[i]));
+        let regular = step(start).unwrap_or(0);
+        let ends = |&i: &usize| step(i) != Some(regular) || weights(i + 1) != self.most;
+        let end = (start..pixels).find(ends).map_or(pixels, |last| last + 1);
+        let of_all = |t: usize| (start..end).map(|i| self.weights_of(i)[t]).collect();
+        EvenTaps {
+            pixels: start..end,
+            first: self.first_sample.get(start).map_or(0, |first| *first as usize),
+            step: regular as usize,
+            weights: (0..self.most).map(of_all).collect(),
+        }
+    }
+
     /// First sample of a pixel, relative to the start of `used`.
     #[inline(always)]
     pub(super) fn first(&self, pixel: usize) -> usize {
@@ -122,6 +152,35 @@ mod tests {
     fn taps(pixels: usize, pitch: f64, side: f64, samples: usize, aperture: Aperture) -> Taps {
         AxisGeometry { pixels, pitch_in_samples: pitch, side_in_samples: side, samples, aperture }
             .taps(0..pixels as i64)
+    }
+
+    /// Pixels of an even run have the samples and weights that each has alone. Where a pixel is a whole number of samples wide, nearly all
+    /// belong to it.
+    #[test]
+    fn an_even_run_has_the_weights_of_its_pixels() {
+        for (pixels, pitch, side, samples) in [
+            (20, 2.0, 2.0, 40),
+            (20, 2.0, 1.6, 60),
+            (20, 1.0, 1.0, 15),
+            (20, 2.7, 1.9, 50),
+            (3, 9.0, 8.5, 20),
+            (5, 1.0, 1.0, 0),
+        ] {
+            for aperture in [Aperture::Area, Aperture::Point] {
+                let taps = taps(pixels, pitch, side, samples, aperture);
+                let even = taps.even();
+                for (i, pixel) in even.pixels.clone().enumerate() {
+                    assert_eq!(taps.first(pixel), even.first + i * even.step);
+                    let weights: Vec<f32> = even.weights.iter().map(|of_all| of_all[i]).collect();
+                    assert_eq!(weights, taps.weights_of(pixel));
+                }
+                let inside = (samples as f64 / pitch) as usize;
+                assert!(
+                    pitch.fract() > 0.0 || even.pixels.len() + 2 >= inside.min(pixels),
+                    "{pitch}, {side}"
+                );
+            }
+        }
     }
 
     #[test]

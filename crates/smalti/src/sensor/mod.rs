@@ -37,6 +37,7 @@ pub use cfa::{Cfa, CfaError, Channel, Filter, Mosaic};
 pub use conversion_gain::{ConversionGain, LowGain};
 pub use device::{Aperture, ColorArchitecture, MAX_SAMPLES, Sensor};
 pub use electron_rates::ElectronRates;
+pub(crate) use electron_rates::FixedPattern;
 pub use error::SensorError;
 pub use exposure::Exposure;
 pub use noise_mode::NoiseMode;

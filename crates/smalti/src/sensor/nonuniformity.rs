@@ -42,6 +42,12 @@ impl Default for NonUniformity {
 }
 
 impl NonUniformity {
+    /// Whether pixels differ in gain or offset, or some are defective.
+    pub(super) fn differs(&self) -> bool {
+        let of_pixels = [self.prnu_fraction, self.dsnu_v, self.dead_pixel_fraction, self.hot_pixel_fraction];
+        of_pixels != [0.0; 4]
+    }
+
     /// Checks every field.
     ///
     /// # Errors

@@ -66,6 +66,7 @@ impl PatternSource {
 pub(super) struct Pattern {
     source: PatternSource,
     window: Rect,
+    planes: usize,
     /// For each plane, row by row.
     blocks: Vec<PatternBlock>,
 }
@@ -73,13 +74,10 @@ pub(super) struct Pattern {
 impl Pattern {
     /// The pattern of the window of a sensor without binning; `None` if its pixels are alike.
     pub(super) fn new(sensor: &Sensor) -> Option<Self> {
-        let non = &sensor.nonuniformity;
-        let differs = [non.prnu_fraction, non.dsnu_v, non.dead_pixel_fraction, non.hot_pixel_fraction];
-        if differs == [0.0; 4] {
+        if !sensor.nonuniformity.differs() {
             return None;
         }
-        let (source, window) = (PatternSource::of(sensor), sensor.read_window());
-        let planes = if source.separate { sensor.sampling().planes() } else { 1 };
+        let (source, window, planes) = Self::drawn_for(sensor);
         let rows = (0..planes * window.rows).into_par_iter().with_min_len(TASK_ROWS);
         let of_row = |i: usize| {
             let (plane, row) = (i / window.rows, window.row + i % window.rows);
@@ -89,7 +87,18 @@ impl Pattern {
                 cols: window.cols,
             })
         };
-        Some(Self { source, window, blocks: rows.flat_map_iter(of_row).collect() })
+        Some(Self { source, window, planes, blocks: rows.flat_map_iter(of_row).collect() })
+    }
+
+    /// What the numbers of a sensor depend on.
+    fn drawn_for(sensor: &Sensor) -> (PatternSource, Rect, usize) {
+        let source = PatternSource::of(sensor);
+        (source, sensor.read_window(), if source.separate { sensor.sampling().planes() } else { 1 })
+    }
+
+    /// Whether it is the one that [`Pattern::new`] draws for a sensor.
+    pub(super) fn suits(&self, sensor: &Sensor) -> bool {
+        sensor.nonuniformity.differs() && Self::drawn_for(sensor) == (self.source, self.window, self.planes)
     }
 
     /// Whether it is the pattern of the source.
@@ -124,5 +133,57 @@ impl Kernel for DrawRow {
         let (row, col, plane) = self.first;
         let columns = (0..self.cols as u32).step_by(LANES);
         columns.map(|c| self.source.block((row, col + c, plane))).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sensor::{Cfa, Channel, Mosaic, Pixel};
+    use crate::spectrum::{Spectrum, WavelengthGrid};
+
+    /// A pattern suits exactly the sensors for which the same one would be drawn.
+    #[test]
+    fn a_pattern_suits_sensors_of_equal_numbers() {
+        let clear = Spectrum::constant(WavelengthGrid::VISIBLE, 1.0).unwrap();
+        let channel = |name: &str| Channel { name: name.into(), transmittance: clear.clone() };
+        let cfa = |cells: &[u8]| {
+            let channels = ["A", "B"].map(channel)[..cells.len()].to_vec();
+            Cfa::new("clear", Mosaic::new(1, cells.len(), cells.to_vec()).unwrap(), channels).unwrap()
+        };
+        let pixel = Pixel {
+            pitch_m: 2e-6,
+            fill_factor: 1.0,
+            conversion_gain_v_per_e: 1e-4,
+            voltage_swing_v: 1.0,
+            full_well_e: 1e4,
+            dark_voltage_v_per_s: 0.0,
+            read_noise_v: 0.0,
+        };
+        let mut plain = Sensor::new(8, 140, pixel, cfa(&[0, 1]), clear.clone());
+        plain.nonuniformity.prnu_fraction = 0.01;
+        let changed = |change: &dyn Fn(&mut Sensor)| {
+            let mut sensor = plain.clone();
+            change(&mut sensor);
+            sensor
+        };
+        let sensors = [
+            plain.clone(),
+            changed(&|s| s.pixel.full_well_e = 2e4),
+            changed(&|s| s.nonuniformity.dsnu_v = 0.1),
+            changed(&|s| s.nonuniformity.device_serial = 2),
+            changed(&|s| s.nonuniformity.prnu_fraction = 0.0),
+            changed(&|s| s.window = Some(Rect { row: 2, col: 3, rows: 4, cols: 130 })),
+            changed(&|s| s.architecture = ColorArchitecture::Prism),
+            changed(&|s| (s.architecture, s.cfa) = (ColorArchitecture::Prism, cfa(&[0]))),
+            changed(&|s| s.architecture = ColorArchitecture::FieldSequential),
+        ];
+        for (i, first) in sensors.iter().enumerate() {
+            let drawn = Pattern::new(first);
+            for (j, second) in sensors.iter().enumerate() {
+                let same = drawn.is_some() && drawn == Pattern::new(second);
+                assert_eq!(drawn.as_ref().is_some_and(|d| d.suits(second)), same, "{i}, {j}");
+            }
+        }
     }
 }

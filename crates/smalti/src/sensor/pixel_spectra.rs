@@ -8,7 +8,9 @@
 use rayon::prelude::*;
 
 use super::collect::{LARGEST_RATE, Rates};
+use super::geometry::{EvenTaps, Taps};
 use super::{ColorArchitecture, MAX_SAMPLES, Sensor, SensorError};
+use crate::numeric::simd::{Kernel, dispatch};
 use crate::numeric::{Planes, Rect};
 use crate::optics::OpticalImage;
 use crate::spectrum::{Spectrum, SpectrumError, WavelengthGrid};
@@ -45,27 +47,20 @@ impl PixelSpectra {
     pub fn new(sensor: &Sensor, image: &OpticalImage) -> Result<Self, SensorError> {
         sensor.validate()?;
         let sensor = &*sensor.unbinned();
-        let cube = image.irradiance();
-        let mut spectra = Self::dark(sensor, cube.grid())?;
-        let (width, stride) = (spectra.window.cols + 2 * spectra.border, spectra.stride);
-        let (rows, cols) = sensor.taps(image);
-        let area = sensor.pixel.photodetector_area_m2() as f32;
-        spectra.rows_mut().for_each(|(r, out)| {
-            let mut gathered = vec![0.0; cols.used.len()];
-            for (plane, out) in cube.planes().planes().zip(out.chunks_exact_mut(stride)) {
-                gathered.fill(0.0);
-                for (t, &w) in rows.weights_of(r).iter().enumerate() {
-                    let at = (rows.used.start + rows.first(r) + t) * cube.cols() + cols.used.start;
-                    for (g, l) in gathered.iter_mut().zip(&plane[at..]) {
-                        *g += w * l;
-                    }
-                }
-                for (i, o) in out.iter_mut().enumerate().take(width) {
-                    let taps = cols.weights_of(i).iter().zip(gathered.get(cols.first(i)..).unwrap_or(&[]));
-                    *o = taps.map(|(w, g)| w * g).sum::<f32>() * area;
-                }
-            }
-        });
+        let mut spectra = Self::dark(sensor, image.irradiance().grid())?;
+        let pixels = Photodetectors::of(sensor, image, &spectra);
+        let rows = spectra.rows_mut();
+        rows.for_each_init(Vec::new, |gathered, (r, out)| pixels.collect(r, gathered, out));
+        Ok(spectra)
+    }
+
+    /// [`PixelSpectra::new`] of a sensor without binning, on one thread.
+    pub(super) fn on_one_thread(sensor: &Sensor, image: &OpticalImage) -> Result<Self, SensorError> {
+        let mut spectra = Self::dark(sensor, image.irradiance().grid())?;
+        let pixels = Photodetectors::of(sensor, image, &spectra);
+        let (len, mut gathered) = (spectra.stride * spectra.grid.len(), Vec::new());
+        let rows = spectra.photons.chunks_exact_mut(len).enumerate();
+        rows.for_each(|(r, out)| pixels.collect(r, &mut gathered, out));
         Ok(spectra)
     }
 
@@ -181,6 +176,99 @@ impl PixelSpectra {
         let first = row.checked_sub(self.window.row).and_then(at);
         first.and_then(|at| self.photons.get(at..at + self.window.cols)).unwrap_or(&[])
     }
+}
+
+/// The photodetectors of a window before an image.
+struct Photodetectors<'a> {
+    /// The image at each wavelength, and its columns.
+    planes: Vec<&'a [f32]>,
+    image_cols: usize,
+    rows: Taps,
+    cols: Taps,
+    even: EvenTaps,
+    /// Of a photodetector, m².
+    area: f32,
+    /// Columns with border, without and with padding.
+    width: usize,
+    stride: usize,
+}
+
+impl<'a> Photodetectors<'a> {
+    fn of(sensor: &Sensor, image: &'a OpticalImage, spectra: &PixelSpectra) -> Self {
+        let (cube, (rows, cols)) = (image.irradiance(), sensor.taps(image));
+        Self {
+            planes: cube.planes().planes().collect(),
+            image_cols: cube.cols(),
+            even: cols.even(),
+            rows,
+            cols,
+            area: sensor.pixel.photodetector_area_m2() as f32,
+            width: spectra.window.cols + 2 * spectra.border,
+            stride: spectra.stride,
+        }
+    }
+
+    /// Collects the light of a row at all wavelengths. `gathered` is scratch memory.
+    fn collect(&self, row: usize, gathered: &mut Vec<f32>, out: &mut [f32]) {
+        dispatch(PixelRow { pixels: self, row, gathered, out });
+    }
+}
+
+/// A row of pixels, at all wavelengths.
+struct PixelRow<'a> {
+    pixels: &'a Photodetectors<'a>,
+    row: usize,
+    gathered: &'a mut Vec<f32>,
+    out: &'a mut [f32],
+}
+
+impl Kernel for PixelRow<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { pixels, row, gathered, out } = self;
+        let Photodetectors { planes, image_cols, rows, cols, even, area, width, stride } = pixels;
+        let (first, used) =
+            ((rows.used.start + rows.first(row)) * image_cols + cols.used.start, cols.used.len());
+        let together = if (1..=4).contains(&even.step) { even.pixels.clone() } else { 0..0 };
+        for (plane, out) in planes.iter().zip(out.chunks_exact_mut(*stride)) {
+            gathered.clear();
+            // Steps of the last pixels extend beyond the last sample.
+            gathered.resize(used + even.step, 0.0);
+            for (t, &w) in rows.weights_of(row).iter().enumerate() {
+                let at = first + t * image_cols;
+                for (g, l) in gathered.iter_mut().zip(&plane[at..at + used]) {
+                    *g += w * l;
+                }
+            }
+            let evenly = &mut out[together.clone()];
+            match even.step {
+                1 => along_row::<1>(even, gathered, *area, evenly),
+                2 => along_row::<2>(even, gathered, *area, evenly),
+                3 => along_row::<3>(even, gathered, *area, evenly),
+                4 => along_row::<4>(even, gathered, *area, evenly),
+                _ => {}
+            }
+            for i in (0..together.start).chain(together.end..*width) {
+                let taps = cols.weights_of(i).iter().zip(gathered.get(cols.first(i)..).unwrap_or(&[]));
+                out[i] = taps.map(|(w, g)| w * g).sum::<f32>() * area;
+            }
+        }
+    }
+}
+
+/// The light of the pixels of an even run, `STEP` samples apart.
+#[inline(always)]
+fn along_row<const STEP: usize>(even: &EvenTaps, gathered: &[f32], area: f32, out: &mut [f32]) {
+    out.fill(0.0);
+    for (t, weights) in even.weights.iter().enumerate() {
+        let samples = gathered[even.first + t..].as_chunks::<STEP>().0;
+        for ((o, w), sample) in out.iter_mut().zip(weights).zip(samples) {
+            *o += w * sample[0];
+        }
+    }
+    out.iter_mut().for_each(|o| *o *= area);
 }
 
 /// The light after the filters of a sensor.

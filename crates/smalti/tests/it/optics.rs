@@ -154,6 +154,28 @@ fn a_shifted_scene_gives_a_shifted_image() {
     }
 }
 
+/// Without its margin an image has the samples that it has in the middle of the margin, whatever surrounds the scene.
+#[test]
+fn the_image_of_the_scene_is_the_middle_of_the_image() {
+    for (name, optics) in all_models() {
+        for boundary in [Boundary::Dark, Boundary::Edge, Boundary::Mirror] {
+            let optics = Optics { padding: Padding { boundary, ..optics.padding }, ..optics.clone() };
+            let scene = scene(40, 56, 1e-6, blob);
+            let (whole, part) = (optics.image(&scene).unwrap(), optics.image_of_scene(&scene).unwrap());
+            let (whole, part) = (whole.irradiance().planes(), part.irradiance().planes());
+            assert_eq!((part.rows(), part.cols()), (40, 56), "{name}");
+            let (above, left) = ((whole.rows() - 40) / 2, (whole.cols() - 56) / 2);
+            let largest = part.data().iter().fold(0.0f32, |largest, v| largest.max(*v));
+            for (whole_plane, part_plane) in whole.planes().zip(part.planes()) {
+                for (i, v) in part_plane.iter().enumerate() {
+                    let at = (above + i / 56) * whole.cols() + left + i % 56;
+                    assert!((v - whole_plane[at]).abs() <= 5e-6 * largest, "{name}, {boundary:?}, {i}");
+                }
+            }
+        }
+    }
+}
+
 #[test]
 fn threads_do_not_change_a_bit() {
     let scene = scene(40, 56, 2e-6, |r, c| ((r * 31 + c * 17) % 23) as f32);

@@ -347,11 +347,14 @@ fn rates_of_many_sensors_are_those_of_each() {
     binned.binning = Some(Binning { side: 2, mode: BinningMode::Charge });
     let mut prism = noisy_sensor(64, 230);
     prism.architecture = ColorArchitecture::Prism;
+    let mut leaking = sensor(64, 230);
+    leaking.crosstalk = Some([[0.0, 0.02, 0.0], [0.03, 0.9, 0.05], [0.0, 0.0, 0.0]]);
     let all = [
         [&sensor(64, 230), &mono_sensor],
         [&windowed, &prism],
         [&binned, &sensor(20, 30)],
         [&prism.clone(), &sensor(64, 230)],
+        [&leaking, &noisy_sensor(64, 230)],
     ];
     let pool = |n| rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap();
     for threads in [1, 3] {
@@ -363,11 +366,32 @@ fn rates_of_many_sensors_are_those_of_each() {
         }
     }
     assert_eq!(ElectronRates::of_all::<2>(&[], &image).unwrap(), Vec::<[ElectronRates; 2]>::new());
-    // The volts of these rates are those of the image.
+    // The volts of these rates are those of the image, whether it has more samples than pixels or fewer, and those of a window are a part
+    // of those of the whole sensor, whether or not the image covers it.
     let exposure = Exposure::new(0.01);
-    let [rates, _] = &ElectronRates::of_all(&all, &image).unwrap()[0];
-    let volts = all[0][0].expected_volts((rates, 1.0), &exposure).unwrap();
-    assert_eq!(volts, all[0][0].expected_volts(&image, &exposure).unwrap());
+    for spacing_m in [0.7e-6, 1.4e-6, 2.1e-6, 3.9e-6] {
+        let image = speckle(90, 330, spacing_m);
+        for &sensor in all.as_flattened() {
+            let rates = ElectronRates::new(sensor, &image).unwrap();
+            let volts = sensor.expected_volts((&rates, 1.0), &exposure).unwrap();
+            let direct = sensor.expected_volts(&image, &exposure).unwrap();
+            let largest = direct.data().iter().fold(0.0f32, |largest, v| largest.max(*v));
+            let differ = |(a, b): (&f32, &f32)| (a - b).abs() > 4e-6 * largest;
+            assert!(largest > 0.0 && !volts.data().iter().zip(direct.data()).any(differ), "{spacing_m}");
+            let (w, mut part) = (sensor.read_window(), sensor.clone());
+            if sensor.binning.is_none() {
+                part.window = Some(Rect { row: w.row + 5, col: w.col + 9, rows: 13, cols: 20 });
+                let rates = ElectronRates::new(&part, &image).unwrap();
+                let cut = part.expected_volts((&rates, 1.0), &exposure).unwrap();
+                for (plane, whole) in cut.planes().zip(volts.planes()) {
+                    for (row, line) in plane.chunks(20).enumerate() {
+                        let at = (row + 5) * w.cols + 9;
+                        assert_eq!(line, &whole[at..at + 20], "{spacing_m}");
+                    }
+                }
+            }
+        }
+    }
 }
 
 /// Rates with the random numbers of a fixed pattern give the captures without them: of windows and prisms, with defects, for any
