@@ -21,7 +21,7 @@ struct Quality {
 }
 
 /// From the best. The first that fits is used, since noise and false colour must remain visible. Each takes fewer bytes than those
-/// before it, except for pictures of nearly no content, of which any fits.
+/// before it, except for pictures with almost no content, which fit at any quality.
 const QUALITIES: [Quality; 7] = [
     Quality { picture: 90, map: 75, coarse: false, halved: false },
     Quality { picture: 82, map: 75, coarse: false, halved: false },

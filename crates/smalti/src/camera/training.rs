@@ -24,8 +24,8 @@ const EXPOSURE_RATIO: f64 = 2.5;
 const MIN_SEEN: f64 = 0.01;
 /// Highest cut between response levels, relative to saturation.
 pub(crate) const HIGHEST_CUT: f64 = 0.85;
-/// The widest margin around a scene in training, relative to its size. Light that a lens spreads farther comes back in on the other side
-/// of the scene; docs/l3.md states how little that changes.
+/// The widest margin around a scene in training, relative to its size. With dark surroundings, light that a lens spreads farther than the
+/// margins of both sides together comes back in on the other side; docs/l3.md states how little that changes.
 const WIDEST_MARGIN: f64 = 1.0 / 16.0;
 /// Levels of the second stage.
 const REFINEMENT_LEVELS: usize = 12;

@@ -260,7 +260,7 @@ mod tests {
             let mut statistics = camera.training_statistics(&settings, &spectrum).unwrap();
             let (built_under, lit) = (&scene.light, LitScenes::new());
             let now = vec![Gathering::new(&of, built_under, &mut statistics, lit)];
-            let image = camera.optics.image(&built).unwrap();
+            let image = camera.training_optics().image_of_scene(&built).unwrap();
             let mut group = Group { first: &of, built_under, now, later: Vec::new() };
             group.add_scene((scene, 7), Some(&(built, Some(image))), &settings).unwrap();
             statistics

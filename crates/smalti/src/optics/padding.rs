@@ -32,7 +32,8 @@ pub struct Padding {
     /// What is beyond the border.
     pub boundary: Boundary,
     /// Width of the margin on each side, as a fraction (0–4) of the rows above and below and of the columns left
-    /// and right; rounded to whole samples. Pipelines are learned with at most 1/16.
+    /// and right; rounded to whole samples. Learning of pipelines from
+    /// scenes uses at most 1/16.
     pub margin: f64,
 }
 

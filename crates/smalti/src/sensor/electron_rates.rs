@@ -29,7 +29,8 @@ impl ElectronRates {
     /// The rates of an image on a sensor.
     ///
     /// # Errors
-    /// When the sensor is invalid, or a curve does not cover the wavelengths of the image.
+    /// When the sensor is invalid, a curve does not cover the wavelengths of the image, or a row of pixels times wavelengths exceeds
+    /// [`MAX_SAMPLES`](super::MAX_SAMPLES).
     pub fn new(sensor: &Sensor, image: &OpticalImage) -> Result<Self, SensorError> {
         let [rates] = Self::of_each([sensor], image)?;
         Ok(rates)
@@ -56,8 +57,8 @@ impl ElectronRates {
         Ok(Self::of_all(&[sensors], image)?.swap_remove(0))
     }
 
-    /// The rates of an image on several sensors, in groups of `N`: those of [`ElectronRates::new`], but the image is read once, which
-    /// takes longer than the products.
+    /// The rates of an image on several sensors, in groups of `N`: those of [`ElectronRates::new`], but the image is read once for
+    /// all sensors whose pixels collect the same light, because reading takes longer than the products.
     ///
     /// If the samples of the image are as close as the pixels or closer, the light is first collected by the photodetectors and then
     /// integrated over wavelength, which is less work. Otherwise the order is that of [`Sensor::capture`]. Both give the same rates up to
@@ -163,8 +164,8 @@ fn through_pixels(
     planes: Vec<&mut Planes>,
 ) -> Result<(), SensorError> {
     let Some(window) = sensors.first().map(|s| s.read_window()) else { return Ok(()) };
-    let band_rows = BAND_SAMPLES / (window.cols * image.irradiance().grid().len());
-    let band_rows = band_rows.clamp(1, BAND_ROWS);
+    let samples_per_row = window.cols.saturating_mul(image.irradiance().grid().len());
+    let band_rows = (BAND_SAMPLES / samples_per_row).clamp(1, BAND_ROWS);
     // For each band, the rows of each plane of each sensor.
     let mut bands: Vec<Vec<Vec<&mut [f32]>>> = Vec::new();
     bands.resize_with(window.rows.div_ceil(band_rows), Vec::new);
