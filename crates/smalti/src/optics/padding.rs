@@ -32,8 +32,7 @@ pub struct Padding {
     /// What is beyond the border.
     pub boundary: Boundary,
     /// Width of the margin on each side, as a fraction (0–4) of the rows above and below and of the columns left
-    /// and right; rounded to whole samples. Learning of pipelines from
-    /// scenes uses at most 1/16.
+    /// and right; rounded to whole samples. Training (`Camera::train_on`, the default training set) uses at most 1/16.
     pub margin: f64,
 }
 
