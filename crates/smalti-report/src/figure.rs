@@ -91,7 +91,12 @@ impl Figure {
     /// [`FigureError::Size`] for a scale that is not positive or gives too many pixels.
     pub fn png(&self, scale: f64) -> Result<Vec<u8>, FigureError> {
         let (rgb, size) = self.pixels(scale)?;
-        encode(&rgb, size, png::ColorType::Rgb, self.compression)
+        self.encoded(&rgb, size)
+    }
+
+    /// Pixels of this figure as PNG.
+    pub(crate) fn encoded(&self, rgb: &[u8], size: [u32; 2]) -> Result<Vec<u8>, FigureError> {
+        encode(rgb, size, png::ColorType::Rgb, self.compression)
     }
 
     /// The pixels of [`png`](Self::png), and their width and height.

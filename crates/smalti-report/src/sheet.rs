@@ -84,8 +84,8 @@ impl Sheet {
     /// As [`draw`](Self::draw) and [`Figure::png`].
     pub fn png(&self) -> Result<Vec<u8>, FigureError> {
         let (figure, areas) = self.laid_out(false)?;
-        let (mut rgb, [width, height]) = figure.pixels(1.0)?;
-        let (across, times) = (3 * width as usize, self.enlarge as usize);
+        let (mut rgb, size) = figure.pixels(1.0)?;
+        let (across, times) = (3 * size[0] as usize, self.enlarge as usize);
         for (picture, area) in self.pictures.iter().zip(areas) {
             let (top, left) = (area.y as usize, 3 * area.x as usize);
             let rows = picture.rgb.chunks_exact(3 * picture.width);
@@ -97,7 +97,7 @@ impl Sheet {
                 }
             }
         }
-        encode(&rgb, [width, height], png::ColorType::Rgb, Compression::Fast)
+        figure.encoded(&rgb, size)
     }
 
     /// The figure, with the pictures or only with room for them, and their areas, which begin at whole pixels.

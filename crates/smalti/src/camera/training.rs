@@ -90,7 +90,7 @@ impl Stand {
         item: TrainingItem,
     ) -> Result<(), CameraError> {
         let Self { camera, exposure, witness, light, .. } = self;
-        let rates = &rates.with_pattern_of_any(&self.sensor, drawn);
+        let rates = &rates.with_kept_pattern(&self.sensor, drawn);
         let seen = witness.seen((&witnessed, 1.0))?;
         let target = &camera.target_as_exposed(seen, &settings.target, exposure, light)?;
         camera.add_exposures(learner, SeenScene { rates, target, light }, exposure, settings, item)

@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use crate::numeric::Planes;
+use crate::numeric::{Planes, first_invalid};
 
 /// The meaning of the three planes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -105,7 +105,7 @@ impl Image {
     /// # Errors
     /// [`ImageError::Value`] for the first value that is not.
     pub fn check_finite(&self) -> Result<(), ImageError> {
-        match self.planes.data().iter().position(|v| !v.is_finite()) {
+        match first_invalid(self.planes.data(), f32::is_finite) {
             None => Ok(()),
             Some(i) => {
                 let (n, cols) = (self.planes.plane_len(), self.cols());

@@ -3,7 +3,7 @@
 use thiserror::Error;
 
 use crate::isp::IspError;
-use crate::numeric::ShapeError;
+use crate::numeric::{ShapeError, first_invalid};
 
 /// A pipeline that cannot be learned, or not be used as asked.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -142,16 +142,7 @@ pub enum L3Error {
 
 /// Checks that the values of a plane with `cols` columns are finite; `what` is its name in the error.
 pub(super) fn ensure_finite(what: &str, values: &[f32], cols: usize) -> Result<(), L3Error> {
-    // Pieces are tested without a branch, because nearly all are finite.
-    const PIECE: usize = 4096;
-    let all_finite = |piece: &[f32]| piece.iter().fold(true, |all, v| all & v.is_finite());
-    let bad = values.chunks(PIECE).zip((0..).step_by(PIECE)).find_map(|(piece, first)| {
-        if all_finite(piece) {
-            return None;
-        }
-        piece.iter().position(|v| !v.is_finite()).map(|i| first + i)
-    });
-    bad.map_or(Ok(()), |i| {
+    first_invalid(values, f32::is_finite).map_or(Ok(()), |i| {
         Err(L3Error::Value { what: what.to_owned(), row: i / cols, col: i % cols, value: values[i] })
     })
 }

@@ -7,6 +7,7 @@ pub(crate) mod crossing;
 pub(crate) mod dense;
 pub mod elementary;
 pub mod fft;
+mod first_invalid;
 pub mod least_squares;
 pub(crate) mod mirror;
 pub mod normal;
@@ -21,6 +22,7 @@ pub(crate) mod simd;
 pub mod simultaneous;
 
 pub use arithmetic::arithmetic;
+pub(crate) use first_invalid::first_invalid;
 pub use out_of_range::OutOfRange;
 pub(crate) use out_of_range::{Number, require};
 pub(crate) use planes::bands_of;

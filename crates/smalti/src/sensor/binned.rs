@@ -72,26 +72,14 @@ impl Sensor {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sensor::{BinningMode, Cfa, Channel, Mosaic, Pixel};
-    use crate::spectrum::{Spectrum, WavelengthGrid};
+    use crate::sensor::BinningMode;
+    use crate::sensor::clear_sensor::clear_sensor;
 
     /// Half of the photodiodes of a sample of 2 × 2 lie beside a neighbour, a quarter beside a diagonal one.
     #[test]
     fn crosstalk_between_samples_is_that_of_their_outer_photodiodes() {
         let kernel = [[0.01, 0.05, 0.0], [0.03, 0.75, 0.04], [0.02, 0.08, 0.02]];
-        let clear = Spectrum::constant(WavelengthGrid::VISIBLE, 1.0).unwrap();
-        let channels = vec![Channel { name: "W".into(), transmittance: clear.clone() }];
-        let cfa = Cfa::new("clear", Mosaic::new(1, 1, vec![0]).unwrap(), channels).unwrap();
-        let pixel = Pixel {
-            pitch_m: 2e-6,
-            fill_factor: 1.0,
-            conversion_gain_v_per_e: 1e-4,
-            voltage_swing_v: 1.0,
-            full_well_e: 1e4,
-            dark_voltage_v_per_s: 0.0,
-            read_noise_v: 0.0,
-        };
-        let mut sensor = Sensor::new(4, 4, pixel, cfa, clear);
+        let mut sensor = clear_sensor(4, 4, 1);
         sensor.crosstalk = Some(kernel);
         assert_eq!(sensor.crosstalk_between_samples(), Some(kernel));
         sensor.binning = Some(Binning { side: 2, mode: BinningMode::Charge });

@@ -88,19 +88,17 @@ impl ElectronRates {
             Self { window, per_s, pattern: None }
         };
         let mut rates: Vec<Self> = fine.iter().map(dark).collect();
-        let mut left: Vec<(&Sensor, &mut Planes)> =
-            fine.iter().copied().zip(rates.iter_mut().map(|r| &mut r.per_s)).collect();
+        let lit = fine.iter().copied().zip(rates.iter_mut().map(|r| &mut r.per_s));
+        let (finer, mut left): (Vec<_>, Vec<_>) = lit.partition(|(sensor, _)| sensor.is_finer_than(image));
+        let (sensors, planes): (Vec<_>, Vec<_>) = finer.into_iter().unzip();
+        for (collector, planes) in Collector::of_all(&sensors, image)?.iter().zip(planes) {
+            *planes = collector.sensor.electrons_from(collector, 1.0);
+        }
         while let Some(&(first, _)) = left.first() {
             let (alike, others): (Vec<_>, Vec<_>) =
                 left.into_iter().partition(|(sensor, _)| sensor.collects_as(first));
             let (sensors, planes): (Vec<_>, Vec<_>) = alike.into_iter().unzip();
-            if first.is_finer_than(image) {
-                for (collector, planes) in Collector::of_all(&sensors, image)?.iter().zip(planes) {
-                    *planes = collector.sensor.electrons_from(collector, 1.0);
-                }
-            } else {
-                through_pixels(&sensors, image, planes)?;
-            }
+            through_pixels(&sensors, image, planes)?;
             left = others;
         }
         Ok(places.into_iter().map(|places| places.map(|place| rates[place].clone())).collect())
@@ -110,12 +108,12 @@ impl ElectronRates {
     /// not draw again. The captures have the same bits. Rates of another window or of other planes get none.
     #[must_use]
     pub fn with_pattern_of(self, sensor: &Sensor) -> Self {
-        self.with_pattern_of_any(sensor, &mut FixedPattern::default())
+        self.with_kept_pattern(sensor, &mut FixedPattern::default())
     }
 
     /// [`with_pattern_of`](Self::with_pattern_of) with the pattern of earlier rates, if it is the same.
     #[must_use]
-    pub(crate) fn with_pattern_of_any(self, sensor: &Sensor, drawn: &mut FixedPattern) -> Self {
+    pub(crate) fn with_kept_pattern(self, sensor: &Sensor, drawn: &mut FixedPattern) -> Self {
         let sensor = sensor.unbinned();
         if self.ensure_of(&sensor, 1.0).is_err() {
             return Self { pattern: None, ..self };

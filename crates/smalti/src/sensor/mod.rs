@@ -9,6 +9,8 @@ mod binned;
 mod binning;
 mod capture;
 pub mod cfa;
+#[cfg(test)]
+mod clear_sensor;
 mod collect;
 mod conversion_gain;
 mod device;

@@ -139,28 +139,12 @@ impl Kernel for DrawRow {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sensor::{Cfa, Channel, Mosaic, Pixel};
-    use crate::spectrum::{Spectrum, WavelengthGrid};
+    use crate::sensor::clear_sensor::clear_sensor;
 
     /// A pattern suits exactly the sensors for which the same one would be drawn.
     #[test]
     fn a_pattern_suits_sensors_of_equal_numbers() {
-        let clear = Spectrum::constant(WavelengthGrid::VISIBLE, 1.0).unwrap();
-        let channel = |name: &str| Channel { name: name.into(), transmittance: clear.clone() };
-        let cfa = |cells: &[u8]| {
-            let channels = ["A", "B"].map(channel)[..cells.len()].to_vec();
-            Cfa::new("clear", Mosaic::new(1, cells.len(), cells.to_vec()).unwrap(), channels).unwrap()
-        };
-        let pixel = Pixel {
-            pitch_m: 2e-6,
-            fill_factor: 1.0,
-            conversion_gain_v_per_e: 1e-4,
-            voltage_swing_v: 1.0,
-            full_well_e: 1e4,
-            dark_voltage_v_per_s: 0.0,
-            read_noise_v: 0.0,
-        };
-        let mut plain = Sensor::new(8, 140, pixel, cfa(&[0, 1]), clear.clone());
+        let mut plain = clear_sensor(8, 140, 2);
         plain.nonuniformity.prnu_fraction = 0.01;
         let changed = |change: &dyn Fn(&mut Sensor)| {
             let mut sensor = plain.clone();
@@ -175,7 +159,7 @@ mod tests {
             changed(&|s| s.nonuniformity.prnu_fraction = 0.0),
             changed(&|s| s.window = Some(Rect { row: 2, col: 3, rows: 4, cols: 130 })),
             changed(&|s| s.architecture = ColorArchitecture::Prism),
-            changed(&|s| (s.architecture, s.cfa) = (ColorArchitecture::Prism, cfa(&[0]))),
+            changed(&|s| (s.architecture, s.cfa) = (ColorArchitecture::Prism, clear_sensor(1, 1, 1).cfa)),
             changed(&|s| s.architecture = ColorArchitecture::FieldSequential),
         ];
         for (i, first) in sensors.iter().enumerate() {

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::{Spectrum, SpectrumError, WavelengthGrid};
-use crate::numeric::{Planes, ShapeError};
+use crate::numeric::{Planes, ShapeError, first_invalid};
 
 /// Planes that are summed at once: each sum waits for its last addition, while those of other planes proceed.
 const TOGETHER: usize = 4;
@@ -30,11 +30,9 @@ impl SpectralCube {
         }
         let bands = planes.data().par_chunks(planes.plane_len()).enumerate();
         let bad = bands.find_map_first(|(i, plane)| {
-            // The comparison excludes NaN and infinity. Chunks are tested without a branch, because nearly
-            // all are valid.
-            let well = |v: &f32| (*v >= 0.0) & (*v <= f32::MAX);
-            let bad = plane.chunks(4096).find(|piece| !piece.iter().fold(true, |all, v| all & well(v)))?;
-            bad.iter().find(|v| !well(v)).map(|&v| (i, v))
+            // The range excludes NaN and infinity.
+            let at = first_invalid(plane, |v| (0.0..=f32::MAX).contains(&v))?;
+            Some((i, plane[at]))
         });
         if let Some((i, bad)) = bad {
             return Err(SpectrumError::Value {

@@ -19,7 +19,7 @@ pub use error::{MIN_CORRELATION, RegistrationError};
 
 use super::Pair;
 use crate::isp::{Demosaic, IspError};
-use crate::numeric::Planes;
+use crate::numeric::{Planes, first_invalid};
 use crate::sensor::{RawError, RawImage, RawSamples, Sampling};
 use correlate::{Plane, Shift};
 
@@ -187,7 +187,7 @@ fn ensure_finite(raw: &RawImage, luminance: &Planes) -> Result<(), RegistrationE
         ("the raw image", analog, raw.rows(), raw.cols()),
         ("the luminance of the image", luminance.data(), luminance.rows(), luminance.cols()),
     ] {
-        if let Some(at) = values.iter().position(|v| !v.is_finite()) {
+        if let Some(at) = first_invalid(values, f32::is_finite) {
             let (row, col, value) = (at / cols % rows, at % cols, values[at]);
             return Err(RegistrationError::Value { what, row, col, value });
         }
