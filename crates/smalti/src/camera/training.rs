@@ -7,6 +7,7 @@ use super::{Camera, CameraError, LevelRule, TrainingSettings, TrainingTarget};
 use crate::isp::IspError;
 use crate::l3::{Axes, L3Error, Learner, Levels, Pair, RefinementAxes, Share, Statistics, Tiles};
 use crate::numeric::Planes;
+use crate::numeric::simd::{Kernel, dispatch};
 use crate::optics::{Optics, OpticsModel, Padding};
 use crate::scene::{self, Scene, Setting};
 use crate::sensor::{Channel, ElectronRates, Exposure, FixedPattern, NoiseMode, Sensor};
@@ -278,7 +279,7 @@ impl Camera {
             let ideal = self.sensor.capture_ideal((rates, factor), exposure)?;
             let seed = settings.seed.wrapping_add((item.number << 16) + i);
             let seen = self.sensor.capture((rates, factor), exposure, NoiseMode::All, seed)?;
-            let target = bounded(scaled(target, factor)?, &settings.target, most)?;
+            let target = bounded(scaled(target, factor), &settings.target, most)?;
             learner.add_share(&Pair { raw: &ideal, seen: Some(&seen), target: &target }, item.share(i))?;
         }
         Ok(())
@@ -376,7 +377,7 @@ impl Camera {
         if !scale.is_finite() {
             return Err(IspError::NoResponse("the target").into());
         }
-        scaled(seen, scale)
+        Ok(scaled(seen, scale))
     }
 
     /// A factor on the light at which few pixels clip, and the bright quantile of the response at this light.
@@ -405,9 +406,29 @@ fn relit_white(scene: &Scene, other: &Illuminant) -> Result<Scene, CameraError> 
     Ok(lit.with_mean_luminance(luminance)?)
 }
 
-fn scaled(planes: &Planes, factor: f64) -> Result<Planes, CameraError> {
-    let data = planes.data().iter().map(|&v| (f64::from(v) * factor) as f32).collect();
-    Ok(Planes::new(planes.rows(), planes.cols(), planes.count(), data).map_err(L3Error::from)?)
+/// Planes times a factor.
+fn scaled(planes: &Planes, factor: f64) -> Planes {
+    let mut out = Planes::zeros(planes.rows(), planes.cols(), planes.count());
+    dispatch(Scaled { from: planes.data(), factor, to: out.data_mut() });
+    out
+}
+
+/// Values times a factor, rounded once.
+struct Scaled<'a> {
+    from: &'a [f32],
+    factor: f64,
+    to: &'a mut [f32],
+}
+
+impl Kernel for Scaled<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        for (to, v) in self.to.iter_mut().zip(self.from) {
+            *to = (f64::from(*v) * self.factor) as f32;
+        }
+    }
 }
 
 /// Exposures from the brightest down to the least response, including 1.

@@ -45,6 +45,27 @@ pub fn ln_f32(x: f32) -> f32 {
     e * f32c::LN_2 + (2.0 * s + 2.0 * s * sum)
 }
 
+/// The whole part of `x` in 0..2²². A cast would have to mind values that no integer holds, and be no vector code.
+#[inline(always)]
+#[must_use]
+pub fn whole_part_f32(x: f32) -> u32 {
+    // From 2²³ to 2²⁴, the spacing of the numbers is 1, so that the sum is rounded to a whole number.
+    const MAGIC: f32 = 8_388_608.0;
+    let shifted = x + MAGIC;
+    let rounded_up = shifted - MAGIC > x;
+    shifted.to_bits().wrapping_sub(MAGIC.to_bits()).wrapping_sub(u32::from(rounded_up))
+}
+
+/// The whole part of `x` in 0..2³¹, as [`whole_part_f32`].
+#[inline(always)]
+#[must_use]
+pub fn whole_part_f64(x: f64) -> u32 {
+    const MAGIC: f64 = 4_503_599_627_370_496.0;
+    let shifted = x + MAGIC;
+    let rounded_up = shifted - MAGIC > x;
+    shifted.to_bits().wrapping_sub(MAGIC.to_bits()).wrapping_sub(u64::from(rounded_up)) as u32
+}
+
 /// `exp(x)` for `x` in −700..=700.
 #[inline(always)]
 #[must_use]

@@ -1,14 +1,32 @@
 //! The search for values that are not valid, among many that are.
 
+use super::simd::{Kernel, dispatch};
+
 /// Values that are tested without a branch, because nearly all are valid.
 const TESTED_AT_ONCE: usize = 4096;
 
 /// The place of the first value that is not valid.
 pub(crate) fn first_invalid(values: &[f32], is_valid: impl Fn(f32) -> bool) -> Option<usize> {
-    let all_valid = |piece: &[f32]| piece.iter().fold(true, |all, v| all & is_valid(*v));
-    let piece = values.chunks(TESTED_AT_ONCE).position(|piece| !all_valid(piece))?;
+    let any_invalid = |values| dispatch(AnyInvalid { values, is_valid: &is_valid });
+    let piece = values.chunks(TESTED_AT_ONCE).position(any_invalid)?;
     let first = piece * TESTED_AT_ONCE;
     values[first..].iter().position(|v| !is_valid(*v)).map(|i| first + i)
+}
+
+/// Whether any of some values is not valid.
+struct AnyInvalid<'a, F> {
+    values: &'a [f32],
+    is_valid: &'a F,
+}
+
+impl<F: Fn(f32) -> bool> Kernel for AnyInvalid<'_, F> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn run(self) -> bool {
+        // As wide as the values, so that the flags stand in vectors of as many.
+        self.values.iter().fold(0u32, |found, v| found | u32::from(!(self.is_valid)(*v))) != 0
+    }
 }
 
 #[cfg(test)]

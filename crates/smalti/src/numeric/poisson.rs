@@ -11,7 +11,7 @@
 
 use std::ops::Range;
 
-use super::elementary::{exp_f64, ln_f64};
+use super::elementary::{exp_f64, ln_f64, whole_part_f64};
 use super::philox::philox4x32;
 
 /// Lanes of a block.
@@ -178,12 +178,14 @@ fn ptrs_lanes(
         let mut undecided = !u64::from_le_bytes(*accepted) & 0x0101_0101_0101_0101;
         while undecided != 0 {
             let i = (8 * eight + undecided.trailing_zeros() as usize / 8) % LANES;
-            let j = n % LANES;
-            (open.lane[j], open.mean[j], open.u[j], open.v[j]) =
-                (i as u32, means[i], words[0][i], words[1][i]);
+            open.lane[n % LANES] = i as u32;
             undecided &= undecided - 1;
             n += 1;
         }
+    }
+    for j in 0..n.next_multiple_of(8).min(LANES) {
+        let i = open.lane[j] as usize % LANES;
+        (open.mean[j], open.u[j], open.v[j]) = (means[i], words[0][i], words[1][i]);
     }
     let mut attempt = 0;
     loop {
@@ -241,18 +243,17 @@ struct Candidates {
 }
 
 impl Candidates {
-    /// Tests the first `n` trials, writes the counts of accepted ones, packs the rejected ones to the front
-    /// and returns their number.
+    /// Tests the first `n` trials, writes their counts, packs the rejected ones to the front and returns their number.
     #[inline(always)]
     fn full_test(&mut self, n: usize, counts: &mut [f64; LANES]) -> usize {
         let (mut k, mut hat, mut ln_factorial) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
-        let mut place = [0i32; LANES];
+        let mut place = [0u32; LANES];
         let (mut possible, mut accepted) = ([0u8; LANES], [0u8; LANES]);
         let padded = n.next_multiple_of(8).min(LANES);
         for j in 0..padded {
             let t = Candidate::new(self.mean[j].max(PTRS_FROM), self.u[j], self.v[j]);
             k[j] = t.k;
-            place[j] = t.k.clamp(0.0, 15.0) as i32;
+            place[j] = whole_part_f64(t.k.max(0.0).min(15.0));
             hat[j] = t.v * t.inverse_alpha / (t.a / (t.us * t.us) + t.b);
             possible[j] = u8::from((t.k >= 0.0) & !((t.us < 0.013) & (t.v > t.us)));
             accepted[j] = u8::from(t.quick);
@@ -278,10 +279,9 @@ impl Candidates {
         }
         let mut failed = 0;
         for j in 0..n {
+            // A count that is rejected is replaced in a later attempt.
             let lane = self.lane[j];
-            if accepted[j] == 1 {
-                counts[lane as usize % LANES] = k[j];
-            }
+            counts[lane as usize % LANES] = k[j];
             self.lane[failed] = lane;
             self.mean[failed] = self.mean[j];
             failed += usize::from(accepted[j] == 0);

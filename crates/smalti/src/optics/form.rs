@@ -179,9 +179,7 @@ impl Frame {
                 return;
             };
             band.row(source, falloff, &mut row[cols.offset..cols.offset + cols.len]);
-            for c in (0..cols.offset).chain(cols.offset + cols.len..cols.total) {
-                row[c] = cols.source(c).map_or(0.0, |s| row[cols.offset + s]);
-            }
+            cols.surround(row);
         };
         // Coarse sampling (Gibbs ringing) and rounding cause small negative values. NaN is kept, so that a
         // later check can find it.

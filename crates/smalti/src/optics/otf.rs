@@ -2,6 +2,7 @@
 
 use super::diffraction::diffraction_limit;
 use super::olpf::BirefringentLowPass;
+use crate::numeric::elementary::whole_part_f32;
 use crate::numeric::fft::{Complex32, bin_frequency};
 use crate::numeric::simd::{Kernel, dispatch};
 
@@ -168,12 +169,12 @@ impl Kernel for RadialColumn<'_> {
     }
 }
 
-/// [`lookup`] at several places, which are finite.
+/// [`lookup`] at several places. From 1 on, what it finds has no meaning.
 #[inline(always)]
 fn lookup_all<const N: usize>(table: &[f32], nu: &[f32; N]) -> [f32; N] {
-    let last = (table.len() - 1) as f32;
-    let at = nu.map(|nu| nu * last);
-    let place = at.map(|at| at as i32);
+    let last = table.len() - 1;
+    let at = nu.map(|nu| nu * last as f32);
+    let place = at.map(|at| whole_part_f32(at).min(last as u32 - 1));
     let (mut below, mut above) = ([0.0; N], [0.0; N]);
     for i in 0..N {
         if let Some(&[a, b]) = table.get(place[i] as usize..place[i] as usize + 2) {

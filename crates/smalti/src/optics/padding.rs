@@ -75,6 +75,19 @@ impl Extent {
         Self { offset: 0, out: self.len, ..self }
     }
 
+    /// Fills the places of a line of the torus around the samples of the scene, which stand in it.
+    pub(super) fn surround(&self, line: &mut [f32]) {
+        let (start, end) = (self.offset, self.offset + self.len);
+        if self.boundary == Boundary::Dark {
+            line[..start].fill(0.0);
+            line[end..].fill(0.0);
+            return;
+        }
+        for i in (0..start).chain(end..self.total) {
+            line[i] = self.source(i).map_or(0.0, |sample| line[start + sample]);
+        }
+    }
+
     /// The scene sample that stands at place `i` of the torus; `None` where it is dark.
     pub(super) fn source(&self, i: usize) -> Option<usize> {
         if (self.offset..self.offset + self.len).contains(&i) {

@@ -3,6 +3,7 @@
 use super::Binning;
 use super::conversion_gain::Combination;
 use super::readout::Readout;
+use crate::numeric::elementary::whole_part_f32;
 use crate::numeric::poisson::LANES;
 use crate::numeric::simd::Kernel;
 
@@ -42,9 +43,9 @@ impl Sample for f32 {
 impl Sample for u16 {
     #[inline(always)]
     fn from_volts(volts: f32, to: &SampleScale) -> Self {
-        // The value is not negative here, so truncation after adding a half rounds.
+        // The value is not negative here, so that the whole part after adding a half is the nearest number.
         let number = (volts * to.scale + to.black).max(0.0).min(to.last);
-        (number + 0.5) as i32 as u16
+        whole_part_f32(number + 0.5) as u16
     }
 
     fn with_low(self, low: Self, both: &Combination) -> Self {

@@ -261,16 +261,29 @@ impl Kernel for Mixed<'_> {
                 }
             }
             let xyz = fit.xyz([0, 1, 2].map(|c| f64::from(picture.rgb[c][i])));
-            let luminance: f32 = sum.iter().zip(wavelengths).map(|(s, w)| s * w.weights[1]).sum();
-            let largest = sum.iter().copied().fold(0.0, f32::max);
-            let factor = (xyz[1] as f32 / luminance).min(closure::LIGHTEST / largest);
             for (lanes, s) in work.iter_mut().zip(&sum) {
-                lanes[l] = s * factor;
+                lanes[l] = *s;
             }
             for c in 0..3 {
                 target[c][l] = xyz[c] as f32;
             }
             scale[l] = picture.scale[i];
+        }
+        let (mut luminance, mut largest) = ([0.0f32; LANES], [0.0f32; LANES]);
+        for (lanes, w) in work.iter().zip(wavelengths) {
+            for l in 0..LANES {
+                luminance[l] += lanes[l] * w.weights[1];
+                largest[l] = if lanes[l] > largest[l] { lanes[l] } else { largest[l] };
+            }
+        }
+        let mut factor = [0.0f32; LANES];
+        for l in 0..LANES {
+            factor[l] = (target[1][l] / luminance[l]).min(closure::LIGHTEST / largest[l]);
+        }
+        for lanes in work.iter_mut() {
+            for l in 0..LANES {
+                lanes[l] *= factor[l];
+            }
         }
         (target, scale)
     }
