@@ -59,7 +59,7 @@ pub(crate) use score::picture_cpsnr_db;
 pub use score::{PICTURE_METRICS, PictureScores, ScoreSettings, score_picture};
 pub use test_scene::TestScene;
 pub use training::TrainingItem;
-pub(crate) use training::{HIGHEST_CUT, Stand};
+pub(crate) use training::{HIGHEST_CUT, SceneNoise, Stand};
 pub use training_set::{
     DEFAULT_TRAINING_LIGHT, NoStoredScenes, StoredTrainingScenes, SurfaceReflectances, Surfaces,
     TRAINING_SET_REVISION, TrainingContent, TrainingScene, refinement_scenes, training_reflectances,

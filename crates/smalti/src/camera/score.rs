@@ -9,6 +9,7 @@ use crate::color::scielab::Scielab;
 use crate::color::{DeltaE, DifferenceMap, Image, difference};
 use crate::metrics::psnr::psnr;
 use crate::metrics::{MetricError, Rect};
+use crate::numeric::simd::{Kernel, dispatch};
 use crate::numeric::{Planes, ShapeError};
 
 /// Viewing conditions of the scores.
@@ -237,22 +238,48 @@ pub(crate) fn limit_brightness(
     limit: f32,
     brightness: Brightness,
 ) -> Result<(), ShapeError> {
-    let mut factors = match brightness {
-        Brightness::Plane(index) => planes.plane(index)?.to_vec(),
-        Brightness::Largest => {
-            let mut largest = vec![0.0f32; planes.plane_len()];
-            for plane in planes.planes() {
-                largest.iter_mut().zip(plane).for_each(|(l, v)| *l = l.max(*v));
-            }
-            largest
-        }
-    };
-    // A factor of 1 keeps the bits, so that no pixel is a case of its own and the loops are vector code.
-    factors.iter_mut().for_each(|b| *b = if *b > limit { limit / *b } else { 1.0 });
-    for plane in planes.planes_mut() {
-        plane.iter_mut().zip(&factors).for_each(|(v, factor)| *v *= factor);
+    if let Brightness::Plane(index) = brightness {
+        planes.plane(index)?;
     }
+    dispatch(LimitBrightness { planes: planes.planes_mut().collect(), limit, brightness });
     Ok(())
+}
+
+/// [`limit_brightness`] of planes of equal length.
+struct LimitBrightness<'a> {
+    planes: Vec<&'a mut [f32]>,
+    limit: f32,
+    brightness: Brightness,
+}
+
+impl Kernel for LimitBrightness<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(mut self) {
+        /// Pixels whose factors stay in the nearest cache.
+        const PIECE: usize = 1024;
+        let len = self.planes.first().map_or(0, |plane| plane.len());
+        let mut factors = [0.0f32; PIECE];
+        for first in (0..len).step_by(PIECE) {
+            let piece = first..len.min(first + PIECE);
+            let factors = &mut factors[..piece.len()];
+            match self.brightness {
+                Brightness::Plane(index) => factors.copy_from_slice(&self.planes[index][piece.clone()]),
+                Brightness::Largest => {
+                    factors.fill(0.0);
+                    for plane in &self.planes {
+                        factors.iter_mut().zip(&plane[piece.clone()]).for_each(|(l, v)| *l = l.max(*v));
+                    }
+                }
+            }
+            // A factor of 1 keeps the bits, so that no pixel is a case of its own and the loops are vector code.
+            factors.iter_mut().for_each(|b| *b = if *b > self.limit { self.limit / *b } else { 1.0 });
+            for plane in &mut self.planes {
+                plane[piece.clone()].iter_mut().zip(&*factors).for_each(|(v, factor)| *v *= factor);
+            }
+        }
+    }
 }
 
 #[cfg(test)]

@@ -1,5 +1,7 @@
 //! Training pairs by simulation: raw images of a camera and their target pictures.
 
+use std::sync::OnceLock;
+
 use super::chart::LUMINANCE;
 use super::reference::Witness;
 use super::score::{Brightness, limit_brightness};
@@ -10,7 +12,7 @@ use crate::numeric::Planes;
 use crate::numeric::simd::{Kernel, dispatch};
 use crate::optics::{Optics, OpticsModel, Padding};
 use crate::scene::{self, Scene, Setting};
-use crate::sensor::{Channel, ElectronRates, Exposure, FixedPattern, NoiseMode, Sensor};
+use crate::sensor::{Channel, ElectronRates, Exposure, FixedPattern, NoiseMode, Sensor, TemporalNoise};
 use crate::spectrum::{Extrapolation, Illuminant, Observer, Spectrum};
 
 /// The quantile of the response that defines an exposure.
@@ -81,20 +83,20 @@ impl Stand {
         [&self.sensor, &self.witness.sensor]
     }
 
-    /// Adds the scene at every exposure. `drawn` keeps the fixed pattern from scene to scene.
+    /// Adds the scene at every exposure. The fixed pattern is kept from scene to scene, and the noise is shared by cameras before the same scene.
     pub(crate) fn learn(
         &self,
         learner: &mut dyn Learner,
         [rates, witnessed]: [ElectronRates; 2],
-        drawn: &mut FixedPattern,
+        (pattern, noise): (&mut FixedPattern, Option<&SceneNoise>),
         settings: &TrainingSettings,
         item: TrainingItem,
     ) -> Result<(), CameraError> {
         let Self { camera, exposure, witness, light, .. } = self;
-        let rates = &rates.with_kept_pattern(&self.sensor, drawn);
+        let rates = &rates.with_kept_pattern(&self.sensor, pattern);
         let seen = witness.seen((&witnessed, 1.0))?;
         let target = &camera.target_as_exposed(seen, &settings.target, exposure, light)?;
-        camera.add_exposures(learner, SeenScene { rates, target, light }, exposure, settings, item)
+        camera.add_exposures(learner, SeenScene { rates, target, light, noise }, exposure, settings, item)
     }
 }
 
@@ -106,6 +108,25 @@ struct SeenScene<'a> {
     target: &'a Planes,
     /// The illuminant, photons.
     light: &'a Spectrum,
+    noise: Option<&'a SceneNoise>,
+}
+
+/// Random numbers of the captures of a scene, one for each exposure, which the cameras before it share. They have the same seeds.
+#[derive(Debug)]
+pub(crate) struct SceneNoise([OnceLock<Option<TemporalNoise>>; SHARED_EXPOSURES]);
+
+/// More than the default ones. Each takes a megabyte while a scene is learned from.
+const SHARED_EXPOSURES: usize = 24;
+
+impl SceneNoise {
+    pub(crate) fn new() -> Self {
+        Self([const { OnceLock::new() }; SHARED_EXPOSURES])
+    }
+
+    /// The numbers at exposure number `i`, drawn when they are needed first.
+    fn at(&self, i: u64, sensor: &Sensor, seed: u64) -> Option<&TemporalNoise> {
+        self.0.get(i as usize)?.get_or_init(|| TemporalNoise::new(sensor, seed)).as_ref()
+    }
 }
 
 impl Camera {
@@ -218,12 +239,12 @@ impl Camera {
             let exposure = camera.nominal_exposure()?;
             let target = camera.training_target(scene, settings, &exposure)?;
             let rates = &ElectronRates::new(&camera.sensor, &image)?.with_pattern_of(&camera.sensor);
-            let seen = SeenScene { rates, target: &target, light: scene.illuminant() };
+            let seen = SeenScene { rates, target: &target, light: scene.illuminant(), noise: None };
             return camera.add_exposures(learner, seen, &exposure, settings, item);
         }
         let stand = self.stand(scene, None, settings)?;
         let rates = ElectronRates::of_each(stand.sensors(), &image)?;
-        stand.learn(learner, rates, &mut FixedPattern::default(), settings, item)
+        stand.learn(learner, rates, (&mut FixedPattern::default(), None), settings, item)
     }
 
     /// This camera before a scene, whose target has no optical image of its own. With an illuminant, the scene is as if under it, which
@@ -261,7 +282,7 @@ impl Camera {
     fn add_exposures(
         &self,
         learner: &mut dyn Learner,
-        SeenScene { rates, target, light }: SeenScene<'_>,
+        SeenScene { rates, target, light, noise }: SeenScene<'_>,
         exposure: &Exposure,
         settings: &TrainingSettings,
         item: TrainingItem,
@@ -278,7 +299,8 @@ impl Camera {
             let factor = base * response / bright;
             let ideal = self.sensor.capture_ideal((rates, factor), exposure)?;
             let seed = settings.seed.wrapping_add((item.number << 16) + i);
-            let seen = self.sensor.capture((rates, factor), exposure, NoiseMode::All, seed)?;
+            let drawn = noise.and_then(|noise| noise.at(i, &self.sensor, seed));
+            let seen = self.sensor.capture_with(rates, factor, exposure, (NoiseMode::All, seed), drawn)?;
             let target = bounded(scaled(target, factor), &settings.target, most)?;
             learner.add_share(&Pair { raw: &ideal, seen: Some(&seen), target: &target }, item.share(i))?;
         }

@@ -8,7 +8,9 @@ use super::error::StageContext;
 use super::material::default_scenes;
 use super::progress::ensure_running;
 use super::{ExperimentError, Resources};
-use crate::camera::{Camera, CameraError, Stand, SurfaceReflectances, TrainingScene, TrainingSettings};
+use crate::camera::{
+    Camera, CameraError, SceneNoise, Stand, SurfaceReflectances, TrainingScene, TrainingSettings,
+};
 use crate::l3::Learner;
 use crate::optics::OpticalImage;
 use crate::scene::Scene;
@@ -228,9 +230,11 @@ impl<L: Learner> Group<'_, L> {
             }
             None => {}
         }
+        let noise = (self.now.len() > 1).then(SceneNoise::new);
         self.now.par_iter_mut().try_for_each(|g| {
             let Lit { stand, rates } = g.lit.pop_front().ok_or(ExperimentError::NoScene)?;
-            stand.learn(g.learner, rates, &mut g.drawn, settings, item).map_err(|e| failed(e, g.of))
+            let drawn = (&mut g.drawn, noise.as_ref());
+            stand.learn(g.learner, rates, drawn, settings, item).map_err(|e| failed(e, g.of))
         })
     }
 }

@@ -11,6 +11,8 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use super::classify::{Classifier, RowClasses};
+#[cfg(target_arch = "x86_64")]
+use super::vectors::Avx512;
 use super::window::Window;
 use super::{Axes, ClassKey, Moments, Pair, Tiles};
 use crate::isp::source::Source;
@@ -181,11 +183,9 @@ impl<'a> Gatherer<'a> {
                 let at = start + (right + tile[1] - start % tile[1]) % tile[1];
                 let (step, skipped) = self.tiles.step_and_skipped(tile_row, at / tile[1]);
                 let position = down * tile[1] + right;
-                let [mut least, mut most] = trained[position];
-                for col in (at + skipped * tile[1] - self.phase[1]..cols - half).step_by(step * tile[1]) {
-                    let mean = classes.mean[col];
-                    least = if mean < least { mean } else { least };
-                    most = if mean > most { mean } else { most };
+                let (first, step) = (at + skipped * tile[1] - self.phase[1], step * tile[1]);
+                widen(&mut trained[position], classes.mean.get(first..cols - half).unwrap_or(&[]), step);
+                for col in (first..cols - half).step_by(step) {
                     let number = position as u64 * locals + u64::from(classes.local[col]);
                     let entry = number << 32 | (pixels + col as u64);
                     match classes.saturation[col] {
@@ -193,7 +193,6 @@ impl<'a> Gatherer<'a> {
                         clipped => by_saturation.entry(clipped).or_default().push(entry),
                     }
                 }
-                trained[position] = [least, most];
             }
         }
         if !open.is_empty() {
@@ -202,6 +201,21 @@ impl<'a> Gatherer<'a> {
         let most = self.axes.positions() as u64 * locals;
         by_saturation.values_mut().for_each(|list| sort(list, most));
         ClassifiedPixels { by_saturation, trained }
+    }
+}
+
+/// Widens a range to every `step`th value.
+fn widen(range: &mut [f32; 2], values: &[f32], step: usize) {
+    // Each comparison waits for the one before it, while those of other ranges proceed.
+    let mut ranges = [*range; 4];
+    for values in values.chunks(4 * step) {
+        for ([least, most], v) in ranges.iter_mut().zip(values.iter().step_by(step)) {
+            *least = if v < least { *v } else { *least };
+            *most = if v > most { *v } else { *most };
+        }
+    }
+    for [least, most] in ranges {
+        *range = [range[0].min(least), range[1].max(most)];
     }
 }
 
@@ -278,20 +292,23 @@ impl Patches<'_> {
         }
     }
 
-    /// Gathers z of some pixels: 1, the patch of `side` rows, each in a register of `W` samples, and the targets. The
-    /// padding after z within its stride is arbitrary.
+    /// The places in the lines of the window of the first samples of the patches around some pixels.
+    #[inline(always)]
+    fn starts(&self, pixels: &[u32]) -> impl Iterator<Item = usize> {
+        let window = self.window;
+        let (cols, top) = (window.cols as u32, window.margin[0] - self.side / 2);
+        // The margin of this window is half a patch, so the columns of a patch start at the pixel's own index.
+        pixels.iter().map(move |&p| ((p / cols) as usize + top) * window.stride + (p % cols) as usize)
+    }
+
+    /// Gathers the first part of z of some pixels: 1 and the patch of `side` rows, each in a register of `W` samples. What follows within the
+    /// stride is arbitrary.
     #[inline(always)]
     fn gather<const W: usize>(&self, side: usize, pixels: &[u32], batch: &mut [f64], stride: usize) {
-        let window = self.window;
-        let cols = window.cols as u32;
-        let (lines, top) = (window.lines(), window.margin[0] - side / 2);
-        for (k, &pixel) in pixels.iter().enumerate() {
-            let (row, col) = ((pixel / cols) as usize, (pixel % cols) as usize);
+        let (window, lines) = (self.window, self.window.lines());
+        for (k, mut from) in self.starts(pixels).enumerate() {
             let z = &mut batch[k * stride..];
             z[0] = 1.0;
-            // The margin of this window is half a patch, so the columns of a patch start at the pixel's own
-            // index.
-            let mut from = (row + top) * window.stride + col;
             for r in 0..side {
                 let to = 1 + r * side;
                 // Windows extend beyond their last column by a whole vector. Reading the whole line before
@@ -305,7 +322,14 @@ impl Patches<'_> {
                 *out = line.map(f64::from);
                 from += window.stride;
             }
-            let targets = z[1 + side * side..].iter_mut().zip(&self.targets);
+        }
+    }
+
+    /// Gathers the last part of z of some pixels: the targets.
+    #[inline(always)]
+    fn gather_targets(&self, pixels: &[u32], batch: &mut [f64], stride: usize) {
+        for (z, &pixel) in batch.chunks_mut(stride).zip(pixels) {
+            let targets = z[1 + self.side * self.side..].iter_mut().zip(&self.targets);
             targets.for_each(|(o, plane)| *o = f64::from(plane[pixel as usize]));
         }
     }
@@ -327,16 +351,32 @@ impl Kernel for Products<'_, '_> {
     fn run(self) {
         let n = self.stride;
         let (patches, pixels) = (self.patches, self.pixels);
-        // A side that the compiler knows needs no loop.
-        match patches.side {
-            3 => patches.gather::<LANES>(3, pixels, self.batch, n),
-            5 => patches.gather::<LANES>(5, pixels, self.batch, n),
-            7 => patches.gather::<LANES>(7, pixels, self.batch, n),
-            side if side <= LANES => patches.gather::<LANES>(side, pixels, self.batch, n),
-            side => patches.gather::<{ 2 * LANES }>(side, pixels, self.batch, n),
+        if !copied_by_registers(patches, pixels, self.batch, n) {
+            // A side that the compiler knows needs no loop.
+            match patches.side {
+                3 => patches.gather::<LANES>(3, pixels, self.batch, n),
+                5 => patches.gather::<LANES>(5, pixels, self.batch, n),
+                7 => patches.gather::<LANES>(7, pixels, self.batch, n),
+                side if side <= LANES => patches.gather::<LANES>(side, pixels, self.batch, n),
+                side => patches.gather::<{ 2 * LANES }>(side, pixels, self.batch, n),
+            }
         }
+        patches.gather_targets(pixels, self.batch, n);
         add_products(&self.batch[..self.pixels.len() * n], n, self.sums);
     }
+}
+
+/// [`Patches::gather`] with rows that are shifted to their places in registers, if the processor can.
+#[inline(always)]
+#[cfg_attr(not(target_arch = "x86_64"), allow(unused_variables))]
+fn copied_by_registers(patches: &Patches<'_>, pixels: &[u32], batch: &mut [f64], stride: usize) -> bool {
+    #[cfg(target_arch = "x86_64")]
+    if let Some(set) = Avx512::detect() {
+        let lines = (patches.window.lines(), patches.window.stride);
+        set.copy_patches(patches.side, lines, patches.starts(pixels), (batch, stride));
+        return true;
+    }
+    false
 }
 
 #[cfg(test)]

@@ -77,15 +77,28 @@ impl Extent {
 
     /// Fills the places of a line of the torus around the samples of the scene, which stand in it.
     pub(super) fn surround(&self, line: &mut [f32]) {
-        let (start, end) = (self.offset, self.offset + self.len);
         if self.boundary == Boundary::Dark {
-            line[..start].fill(0.0);
-            line[end..].fill(0.0);
+            line[..self.offset].fill(0.0);
+            line[self.offset + self.len..].fill(0.0);
             return;
         }
-        for i in (0..start).chain(end..self.total) {
-            line[i] = self.source(i).map_or(0.0, |sample| line[start + sample]);
+        // Only a dark scene has an offset.
+        let (scene, gap) = line.split_at_mut(self.len);
+        let (after, before) = gap.split_at_mut(self.continued());
+        if self.boundary == Boundary::Edge {
+            after.fill(scene[self.len - 1]);
+            before.fill(scene[0]);
+            return;
         }
+        let from_end = scene.iter().rev().chain(scene.iter()).cycle();
+        after.iter_mut().zip(from_end).for_each(|(to, v)| *to = *v);
+        let from_start = scene.iter().chain(scene.iter().rev()).cycle();
+        before.iter_mut().rev().zip(from_start).for_each(|(to, v)| *to = *v);
+    }
+
+    /// How many places of the gap behind a scene continue its end. The others lead up to its start.
+    fn continued(&self) -> usize {
+        (self.total - self.len) / 2
     }
 
     /// The scene sample that stands at place `i` of the torus; `None` where it is dark.
@@ -93,11 +106,10 @@ impl Extent {
         if (self.offset..self.offset + self.len).contains(&i) {
             return Some(i - self.offset);
         }
-        // The first half of the gap continues the end, the second half leads up to the start. Only a scene
-        // without offset is continued.
+        // Only a scene without offset is continued.
         let beyond = i.saturating_sub(self.len);
         let before = self.total.saturating_sub(i + 1);
-        let from_end = beyond < (self.total - self.len) / 2;
+        let from_end = beyond < self.continued();
         match self.boundary {
             Boundary::Dark => None,
             Boundary::Edge => Some(if from_end { self.len - 1 } else { 0 }),
@@ -112,6 +124,8 @@ impl Extent {
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
     use super::*;
 
     #[test]
@@ -135,7 +149,7 @@ mod tests {
         assert_eq!(sources(Boundary::Mirror), [0, 1, 2, 2, 1, 0, 0, 1, 2, 2, 1, 0]);
     }
 
-    proptest::proptest! {
+    proptest! {
         #[test]
         fn every_place_of_the_torus_has_a_sample_of_the_scene_or_is_dark(
             len in 1usize..60, blur in 0usize..300, margin in 0.0..4.0f64, kind in 0..3
@@ -143,8 +157,12 @@ mod tests {
             let boundary = [Boundary::Dark, Boundary::Edge, Boundary::Mirror][kind as usize];
             let e = Padding { boundary, margin }.extent(len, blur);
             assert!(e.out <= e.total && e.offset + e.len <= e.total);
+            let mut line = vec![f32::NAN; e.total];
+            (0..len).for_each(|s| line[e.offset + s] = 1.0 + s as f32);
+            e.surround(&mut line);
             for i in 0..e.total {
                 let inside = (e.offset..e.offset + len).contains(&i);
+                prop_assert_eq!(line[i], e.source(i).map_or(0.0, |s| 1.0 + s as f32));
                 match e.source(i) {
                     Some(s) if inside => assert_eq!(s, i - e.offset),
                     Some(s) => assert!(s < len && boundary != Boundary::Dark),

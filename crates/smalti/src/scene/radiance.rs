@@ -1,5 +1,7 @@
 //! The scene: a flat image of spectral radiance at a distance.
 
+use std::sync::Arc;
+
 use rayon::prelude::*;
 
 use super::SceneError;
@@ -18,7 +20,8 @@ const NO_LIGHT: f64 = 1e-6;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scene {
     name: String,
-    radiance: SpectralCube,
+    /// Shared, so that a scene under another field of view is no copy of it.
+    radiance: Arc<SpectralCube>,
     illuminant: Spectrum,
     distance_m: f64,
     horizontal_fov_deg: f64,
@@ -44,6 +47,7 @@ impl Scene {
         }
         require_distance(distance_m)?;
         require_fov(horizontal_fov_deg)?;
+        let radiance = Arc::new(radiance);
         Ok(Self { name: name.into(), radiance, illuminant, distance_m, horizontal_fov_deg })
     }
 
@@ -160,13 +164,13 @@ impl Scene {
     /// When a parameter of the glints is out of range.
     pub fn with_glints(self, glints: &Glints) -> Result<Self, SceneError> {
         let grid = self.radiance.grid();
-        let mut planes = self.radiance.into_planes();
+        let mut planes = Arc::unwrap_or_clone(self.radiance).into_planes();
         let len = planes.plane_len().max(1);
         let drawn = glints.draw(planes.plane_len())?;
         planes.data_mut().par_chunks_mut(len).zip(self.illuminant.values()).for_each(|(plane, white)| {
             drawn.iter().for_each(|&(sample, brightness)| plane[sample] += (brightness * white) as f32);
         });
-        Ok(Self { radiance: SpectralCube::new(grid, planes)?, ..self })
+        Ok(Self { radiance: Arc::new(SpectralCube::new(grid, planes)?), ..self })
     }
 
     /// Scales the factors of its planes so that its mean luminance is kept, and returns the scale.
@@ -214,7 +218,7 @@ impl Scene {
             out.extend(below.iter().zip(above).map(|(a, b)| a + share * (b - a)));
         }
         let out = Planes::new(rows, cols, grid.len(), out).map_err(SpectrumError::from)?;
-        Ok(Self { radiance: SpectralCube::new(grid, out)?, illuminant, ..self })
+        Ok(Self { radiance: Arc::new(SpectralCube::new(grid, out)?), illuminant, ..self })
     }
 
     /// The scene at another distance, m. The field of view stays the same, so the size on the scene plane
@@ -249,7 +253,7 @@ impl Scene {
         let part = self.radiance.planes().cropped(row, col, rows, cols).map_err(SpectrumError::from)?;
         let half = (self.horizontal_fov_deg / 2.0).to_radians().tan() * cols as f64 / all_cols as f64;
         let horizontal_fov_deg = 2.0 * half.atan().to_degrees();
-        let radiance = SpectralCube::new(self.radiance.grid(), part)?;
+        let radiance = Arc::new(SpectralCube::new(self.radiance.grid(), part)?);
         Ok(Self { radiance, horizontal_fov_deg, ..self })
     }
 
@@ -271,13 +275,13 @@ impl Scene {
     /// Each plane multiplied by its factor, with a new illuminant.
     fn multiplied(self, factors: &[f64], illuminant: Spectrum) -> Result<Self, SceneError> {
         let grid = self.radiance.grid();
-        let mut planes = self.radiance.into_planes();
+        let mut planes = Arc::unwrap_or_clone(self.radiance).into_planes();
         let len = planes.plane_len().max(1);
         planes.data_mut().par_chunks_mut(len).zip(factors).for_each(|(plane, &factor)| {
             // A single rounding limits the loss when a change is undone later.
             plane.iter_mut().for_each(|v| *v = (f64::from(*v) * factor) as f32);
         });
-        Ok(Self { radiance: SpectralCube::new(grid, planes)?, illuminant, ..self })
+        Ok(Self { radiance: Arc::new(SpectralCube::new(grid, planes)?), illuminant, ..self })
     }
 }
 

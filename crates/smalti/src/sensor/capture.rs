@@ -6,10 +6,10 @@ use rayon::prelude::*;
 
 use super::collect::{Collector, LightBand, Rates};
 use super::electron_rates::ElectronRates;
-use super::pattern::Pattern;
 use super::pixel_spectra::{FilteredLight, PixelSpectra};
 use super::read_bands::{Band, ChargeBand, Sample, SampleScale, combine_blocks};
-use super::readout::Readout;
+use super::readout::{Drawn, Readout};
+use super::temporal_noise::TemporalNoise;
 use super::{
     Binning, BinningMode, ConversionGain, Exposure, NoiseMode, RawImage, RawSamples, Sensor, SensorError,
 };
@@ -102,7 +102,7 @@ impl Sensor {
         light: impl Into<Light<'a>>,
         exposure: &Exposure,
     ) -> Result<Planes, SensorError> {
-        let volts = self.read_out::<f32>(light.into(), exposure, NoiseMode::None, 0)?;
+        let volts = self.read_out::<f32>((light.into(), None), exposure, NoiseMode::None, 0)?;
         let w = self.read_window();
         Ok(Planes::new(w.rows, w.cols, self.sampling().planes(), volts)?)
     }
@@ -134,7 +134,30 @@ impl Sensor {
         noise: NoiseMode,
         seed: u64,
     ) -> Result<RawImage, SensorError> {
-        let (levels, light) = (self.raw_levels(exposure)?, light.into());
+        self.captured((light.into(), None), exposure, noise, seed)
+    }
+
+    /// [`Sensor::capture`] of rates of photoelectrons times a factor, with random numbers that were drawn for the seed, if they are given. They change no
+    /// bit.
+    pub(crate) fn capture_with(
+        &self,
+        rates: &ElectronRates,
+        factor: f64,
+        exposure: &Exposure,
+        (noise, seed): (NoiseMode, u64),
+        drawn: Option<&TemporalNoise>,
+    ) -> Result<RawImage, SensorError> {
+        self.captured(((rates, factor).into(), drawn), exposure, noise, seed)
+    }
+
+    fn captured(
+        &self,
+        light: (Light<'_>, Option<&TemporalNoise>),
+        exposure: &Exposure,
+        noise: NoiseMode,
+        seed: u64,
+    ) -> Result<RawImage, SensorError> {
+        let levels = self.raw_levels(exposure)?;
         let samples = if self.adc.bits == 0 {
             RawSamples::Analog(self.read_out(light, exposure, noise, seed)?)
         } else {
@@ -147,7 +170,7 @@ impl Sensor {
     /// The samples of the window, ordered plane, row, column.
     fn read_out<S: Sample>(
         &self,
-        light: Light<'_>,
+        (light, drawn): (Light<'_>, Option<&TemporalNoise>),
         exposure: &Exposure,
         noise: NoiseMode,
         seed: u64,
@@ -157,20 +180,21 @@ impl Sensor {
         self.ensure_gain(exposure)?;
         // Light falls on the photodiodes; binning combines them when they are read.
         let photodiodes = &*self.unbinned();
+        let drawn = Drawn { pattern: None, noise: drawn };
         match light {
             Light::Image(image) => {
                 let rates = Collector::new(photodiodes, image)?;
-                self.read_out_from((photodiodes.light_bands(&rates), None), exposure, noise, seed)
+                self.read_out_from((photodiodes.light_bands(&rates), drawn), exposure, noise, seed)
             }
             Light::Pixels(pixels) => {
                 let rates = FilteredLight::new(photodiodes, pixels)?;
-                self.read_out_from((photodiodes.light_bands(&rates), None), exposure, noise, seed)
+                self.read_out_from((photodiodes.light_bands(&rates), drawn), exposure, noise, seed)
             }
             Light::Electrons(rates, factor) => {
                 rates.ensure_of(photodiodes, factor)?;
                 let band =
                     |plane, first_row, out: &mut [f32]| rates.band(plane, first_row, factor as f32, out);
-                self.read_out_from((band, rates.pattern()), exposure, noise, seed)
+                self.read_out_from((band, Drawn { pattern: rates.pattern(), ..drawn }), exposure, noise, seed)
             }
         }
     }
@@ -182,14 +206,14 @@ impl Sensor {
 
     fn read_out_from<S: Sample>(
         &self,
-        (light_band, pattern): (impl Fn(usize, usize, &mut [f32]) + Sync, Option<&Pattern>),
+        (light_band, drawn): (impl Fn(usize, usize, &mut [f32]) + Sync, Drawn<'_>),
         exposure: &Exposure,
         noise: NoiseMode,
         seed: u64,
     ) -> Result<Vec<S>, SensorError> {
         let w = self.read_window();
         let planes = self.sampling().planes();
-        let high = Readout::new(self, pattern, exposure, exposure.time_s / self.captures(), (noise, seed))?;
+        let high = Readout::new(self, drawn, exposure, exposure.time_s / self.captures(), (noise, seed))?;
         let share = 1.0 / self.gain_ratio(exposure);
         let (readout, second) = match exposure.conversion_gain {
             ConversionGain::High => (high, None),

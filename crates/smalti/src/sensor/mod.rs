@@ -30,6 +30,7 @@ mod raw_levels;
 mod read_bands;
 mod readout;
 mod samples;
+mod temporal_noise;
 
 pub use adc::Adc;
 pub use auto_exposure::AutoExposure;
@@ -50,6 +51,7 @@ pub use pixel_spectra::PixelSpectra;
 pub use quantum_efficiency::{QuantumEfficiency, silicon_absorption_per_m};
 pub use raw::{RawError, RawImage, RawSamples, Sampling};
 pub use raw_levels::RawLevels;
+pub(crate) use temporal_noise::TemporalNoise;
 
 /// A rectangle of pixels of the sensor.
 pub use crate::numeric::Rect as Window;

@@ -76,6 +76,18 @@ pub(super) fn combine_blocks<S: Sample>(
     }
 }
 
+/// At most a block of values, followed by zeros.
+#[inline(always)]
+fn padded(values: &[f32]) -> [f32; LANES] {
+    // Most blocks are whole, and copied without a call.
+    if let Ok(whole) = values.try_into() {
+        return whole;
+    }
+    let mut lanes = [0.0; LANES];
+    lanes[..values.len()].copy_from_slice(values);
+    lanes
+}
+
 /// Read-out of a band of rows whose samples are blocks of `side` × `side` photodiodes on one floating diffusion.
 pub(super) struct ChargeBand<'a, S> {
     pub(super) readout: &'a Readout<'a>,
@@ -107,11 +119,9 @@ impl<S: Sample> Kernel for ChargeBand<'_, S> {
             for (i, light) in light.chunks_exact(width).enumerate() {
                 let photodiode_row = sample_row.wrapping_mul(side as u32).wrapping_add(i as u32);
                 for (b, light) in light.chunks(LANES).enumerate() {
-                    let mut lanes = [0.0; LANES];
-                    lanes[..light.len()].copy_from_slice(light);
                     let mut volts = [0.0; LANES];
                     let first = col.wrapping_mul(side as u32).wrapping_add((b * LANES) as u32);
-                    self.readout.charge((photodiode_row, first, plane), &lanes, &mut volts);
+                    self.readout.charge((photodiode_row, first, plane), &padded(light), &mut volts);
                     for (k, v) in volts[..light.len()].iter().enumerate() {
                         charge_v[(b * LANES + k) / side] += v;
                     }
@@ -155,11 +165,9 @@ impl<S: Sample> Kernel for Band<'_, S> {
             let blocks =
                 out.chunks_mut(LANES).zip(light.chunks(LANES)).zip(self.fixed_offset_v.as_chunks().0);
             for (b, ((out, light), fixed)) in blocks.enumerate() {
-                let mut lanes = [0.0; LANES];
-                lanes[..light.len()].copy_from_slice(light);
                 let mut volts = [0.0; LANES];
                 let at = (row.wrapping_add(r as u32), col.wrapping_add((b * LANES) as u32), plane);
-                self.readout.block(at, &lanes, fixed, &mut volts);
+                self.readout.block(at, &padded(light), fixed, &mut volts);
                 for (o, &v) in out.iter_mut().zip(&volts) {
                     *o = S::from_volts(v, self.to_sample);
                 }

@@ -2,17 +2,16 @@
 //! added in the order of the signal chain, on blocks of lanes.
 
 use super::pattern::{Pattern, PatternSource};
+use super::temporal_noise::{NoiseBlock, TemporalNoise};
 use super::{Exposure, LowGain, NoiseMode, Sensor, SensorError};
 use crate::numeric::normal::normal_pair;
 use crate::numeric::philox::{key, philox4x32};
 use crate::numeric::poisson::{LANES, LaneCounter, poisson_lanes};
 
 /// Word 2 of the generator's counter, which identifies the purpose of the random numbers. Word 0 is the
-/// column, word 1 the row, word 3 the plane (upper half) and the attempt (lower half). The
-/// [`pattern`](super::pattern) has a purpose of its own.
+/// column, word 1 the row, word 3 the plane (upper half) and the attempt (lower half). The [`pattern`](super::pattern) and the
+/// [noise of an exposure](super::temporal_noise) have purposes of their own.
 mod purpose {
-    /// Photon and read noise, keyed by the seed.
-    pub(super) const PIXEL: u32 = 0x5345_4e01;
     /// Row noise, keyed by the seed.
     pub(super) const ROW: u32 = 0x5345_4e02;
     /// Offset of a column, keyed by the serial number.
@@ -31,8 +30,15 @@ struct Exposed {
     response: [f32; LANES],
     /// Offset of each photodiode, V.
     offset: [f32; LANES],
-    /// Random words for the read noise.
-    words: [[u32; LANES]; 2],
+    /// Standard normal deviates of the read noise.
+    reading: [f32; LANES],
+}
+
+/// Random numbers that were drawn before. Those of another device, window or seed are not used.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Drawn<'a> {
+    pub(super) pattern: Option<&'a Pattern>,
+    pub(super) noise: Option<&'a TemporalNoise>,
 }
 
 /// The parameters of a block.
@@ -41,8 +47,8 @@ pub(super) struct Readout<'a> {
     mode: NoiseMode,
     seed: [u32; 2],
     source: PatternSource,
-    /// The pattern of the source, if it was drawn before.
-    pattern: Option<&'a Pattern>,
+    /// The pattern of the source and the noise of the seed, if they were drawn before.
+    drawn: Drawn<'a>,
     /// Exposure time of one plane, s.
     time_s: f32,
     dark_e: f64,
@@ -66,10 +72,9 @@ pub(super) struct Readout<'a> {
 }
 
 impl<'a> Readout<'a> {
-    /// A pattern that was drawn for another device is not used.
     pub(super) fn new(
         sensor: &Sensor,
-        pattern: Option<&'a Pattern>,
+        drawn: Drawn<'a>,
         exposure: &Exposure,
         time_s: f64,
         (mode, seed): (NoiseMode, u64),
@@ -84,7 +89,10 @@ impl<'a> Readout<'a> {
             mode,
             seed: key(seed),
             source,
-            pattern: pattern.filter(|pattern| pattern.is_of(source)),
+            drawn: Drawn {
+                pattern: drawn.pattern.filter(|pattern| pattern.is_of(source)),
+                noise: drawn.noise.filter(|noise| noise.suits(sensor, seed)),
+            },
             time_s: time_s as f32,
             dark_e: dark_e(pixel.dark_voltage_v_per_s),
             hot_dark_e: dark_e(non.hot_pixel_dark_voltage_v_per_s),
@@ -144,11 +152,11 @@ impl<'a> Readout<'a> {
         fixed_offset_v: &[f32; LANES],
         volts: &mut [f32; LANES],
     ) {
-        let Exposed { electrons, response, mut offset, mut words } = self.exposed((row, col, plane), light);
+        let Exposed { electrons, response, mut offset, mut reading } = self.exposed((row, col, plane), light);
         if self.is_second {
-            words = self.reading_words((row, col, plane));
+            reading = self.reading_deviates((row, col, plane));
         }
-        self.add_reading_noise((row, plane), &words, fixed_offset_v, &mut offset);
+        self.add_reading_noise((row, plane), &reading, fixed_offset_v, &mut offset);
         for i in 0..LANES {
             let v = electrons[i].min(self.full_well_e) as f32 * self.conversion_gain;
             let v = v * response[i] + offset[i];
@@ -177,25 +185,35 @@ impl<'a> Readout<'a> {
         fixed_offset_v: &[f32; LANES],
         volts: &mut [f32; LANES],
     ) {
-        let words = self.reading_words((row, col, plane));
+        let reading = self.reading_deviates((row, col, plane));
         let mut offset = [0.0f32; LANES];
-        self.add_reading_noise((row, plane), &words, fixed_offset_v, &mut offset);
+        self.add_reading_noise((row, plane), &reading, fixed_offset_v, &mut offset);
         for i in 0..LANES {
             let v = charge_v[i] + offset[i];
             volts[i] = ((v + self.offset_v) * self.gain).min(self.swing_v);
         }
     }
 
-    /// Random words for the read noise of samples from `(row, col)` that are not those of the exposure.
+    /// Whether samples have read noise.
     #[inline(always)]
-    fn reading_words(&self, (row, col, plane): (u32, u32, u32)) -> [[u32; LANES]; 2] {
-        if self.mode != NoiseMode::All || self.read_noise_v == 0.0 {
-            return [[0; LANES]; 2];
+    fn has_read_noise(&self) -> bool {
+        self.mode == NoiseMode::All && self.read_noise_v > 0.0
+    }
+
+    /// Standard normal deviates of the read noise of samples from `(row, col)` that are not those of the exposure.
+    #[inline(always)]
+    fn reading_deviates(&self, (row, col, plane): (u32, u32, u32)) -> [f32; LANES] {
+        let mut deviates = [0.0; LANES];
+        if !self.has_read_noise() {
+            return deviates;
         }
         let purpose = if self.is_second { purpose::SECOND } else { purpose::SAMPLE };
         let counter = LaneCounter { key: self.seed, first: col, row, purpose, attempt: plane << 16 };
-        let block = counter.block();
-        [block[0], block[1]]
+        let [radius, angle, ..] = counter.block();
+        for i in 0..LANES {
+            deviates[i] = normal_pair(radius[i], angle[i]).0;
+        }
+        deviates
     }
 
     /// Photodiodes from `(row, col)` after the exposure. `light` is in photoelectrons per second.
@@ -207,31 +225,32 @@ impl<'a> Readout<'a> {
         }
         let mut response = [1.0f32; LANES];
         let mut offset = [0.0f32; LANES];
-        let mut words = [[0; LANES]; 2];
+        let mut reading = [0.0f32; LANES];
         if self.mode == NoiseMode::All {
             self.pattern((row, col, plane), &mut electrons, &mut response, &mut offset);
         }
         if self.mode != NoiseMode::None {
-            let counter = LaneCounter {
-                key: self.seed,
-                first: col,
-                row,
-                purpose: purpose::PIXEL,
-                attempt: plane << 16,
+            let counter = NoiseBlock::counter(self.seed, (row, col, plane));
+            let own;
+            let block = match self.drawn.noise {
+                Some(noise) => noise.block(row, col),
+                None => {
+                    own = NoiseBlock::draw(&counter, self.has_read_noise());
+                    &own
+                }
             };
-            let block = counter.block();
-            poisson_lanes(&counter, [&block[0], &block[1]], &mut electrons);
-            words = [block[2], block[3]];
+            poisson_lanes(&counter, block.photons.each_ref(), &mut electrons);
+            reading = block.reading;
         }
-        Exposed { electrons, response, offset, words }
+        Exposed { electrons, response, offset, reading }
     }
 
-    /// Adds the noise of one reading: read noise from random words, row and column noise.
+    /// Adds the noise of one reading: read noise from standard normal deviates, row and column noise.
     #[inline(always)]
     fn add_reading_noise(
         &self,
         (row, plane): (u32, u32),
-        words: &[[u32; LANES]; 2],
+        reading: &[f32; LANES],
         fixed_offset_v: &[f32; LANES],
         offset: &mut [f32; LANES],
     ) {
@@ -240,7 +259,7 @@ impl<'a> Readout<'a> {
         }
         if self.read_noise_v > 0.0 {
             for i in 0..LANES {
-                offset[i] += self.read_noise_v * normal_pair(words[0][i], words[1][i]).0;
+                offset[i] += self.read_noise_v * reading[i];
             }
         }
         let row_offset = if self.row_noise_v > 0.0 { self.row_offset(row, plane) } else { 0.0 };
@@ -268,7 +287,7 @@ impl<'a> Readout<'a> {
             return;
         }
         let drawn;
-        let block = match self.pattern {
+        let block = match self.drawn.pattern {
             Some(pattern) => pattern.block(at),
             None => {
                 drawn = self.source.block(at);

@@ -1,6 +1,7 @@
 //! The smooth correction that gives a pixel its colour.
 
 use crate::color::sigmoid::Fit;
+use crate::numeric::elementary::inverse_sqrt_f32;
 use crate::numeric::simd::{Kernel, dispatch};
 
 /// Pixels that are computed together.
@@ -56,7 +57,7 @@ impl Kernel for Closure<'_> {
         for lanes in self.base.iter_mut() {
             for r in lanes.iter_mut() {
                 let v = r.clamp(DARKEST, LIGHTEST);
-                *r = (v - 0.5) / (v * (1.0 - v)).sqrt();
+                *r = (v - 0.5) * inverse_sqrt_f32(v * (1.0 - v));
             }
         }
         let mut coefficients = [[0.0f32; LANES]; 3];
@@ -67,7 +68,7 @@ impl Kernel for Closure<'_> {
                 let p = w.position;
                 for l in 0..LANES {
                     let x = base[l] + (coefficients[0][l] * p + coefficients[1][l]) * p + coefficients[2][l];
-                    let root = 1.0 / (1.0 + x * x).sqrt();
+                    let root = inverse_sqrt_f32(1.0 + x * x);
                     let (s, ds) = (0.5 + 0.5 * x * root, 0.5 * root * root * root);
                     for c in 0..3 {
                         sums[c][l] += w.weights[c] * s;
@@ -93,7 +94,7 @@ impl Kernel for Closure<'_> {
             let p = w.position;
             for l in 0..LANES {
                 let x = base[l] + (coefficients[0][l] * p + coefficients[1][l]) * p + coefficients[2][l];
-                let s = 0.5 + 0.5 * x / (1.0 + x * x).sqrt();
+                let s = 0.5 + 0.5 * x * inverse_sqrt_f32(1.0 + x * x);
                 base[l] = s;
                 for (sum, weight) in sums.iter_mut().zip(w.weights) {
                     sum[l] += weight * s;

@@ -127,12 +127,12 @@ impl Repaint {
             let picture = self.picture(image);
             let segments = Segments::new(&picture.lab, rows, cols);
             let rgb = [0, 1, 2].map(|c| picture.rgb[c].as_slice());
-            let mixtures: Vec<Vec<f32>> = segments
+            let mixtures: Vec<PaddedSpectrum> = segments
                 .means(&picture.lab, rgb)
                 .into_par_iter()
                 .map(|mean| {
                     let grey = mean.unwrap_or([0.5; 3]);
-                    mixture(&self.measured, self.fit.xyz(grey)).into_iter().map(|r| r as f32).collect()
+                    padded(&mixture(&self.measured, self.fit.xyz(grey)))
                 })
                 .collect();
             let tasks = bands_of(1, planes.data_mut(), rows, cols);
@@ -161,7 +161,7 @@ impl Repaint {
         &self,
         picture: &Picture,
         segments: &Segments,
-        mixtures: &[Vec<f32>],
+        mixtures: &[PaddedSpectrum],
         (first, count): (usize, usize),
         work: &mut [Lanes],
     ) -> (Lanes, usize) {
@@ -221,12 +221,21 @@ impl Repaint {
     }
 }
 
+/// A reflectance in whole registers, with zeros beyond its last wavelength.
+type PaddedSpectrum = Vec<[f32; LANES]>;
+
+fn padded(reflectance: &[f64]) -> PaddedSpectrum {
+    let register =
+        |values: &[f64]| std::array::from_fn(|i| values.get(i).copied().unwrap_or_default() as f32);
+    reflectance.chunks(LANES).map(register).collect()
+}
+
 /// The mixtures of some adjacent pixels of a row, scaled to their luminance.
 struct Mixed<'a> {
     repaint: &'a Repaint,
     picture: &'a Picture,
     segments: &'a Segments,
-    mixtures: &'a [Vec<f32>],
+    mixtures: &'a [PaddedSpectrum],
     first: usize,
     count: usize,
     work: &'a mut [Lanes],
@@ -249,19 +258,23 @@ impl Kernel for Mixed<'_> {
         } = self;
         let mut target = [[0.5; LANES]; 3];
         let mut scale = [1.0; LANES];
-        let mut sum = vec![0.0f32; work.len()];
+        let mut sum = vec![[0.0f32; LANES]; work.len().div_ceil(LANES)];
         for l in 0..count {
             let i = first + l;
             let lab = [0, 1, 2].map(|c| picture.lab[c][i]);
             let shares = segments.shares(i / picture.cols, i % picture.cols, lab);
-            sum.fill(0.0);
+            sum.fill([0.0; LANES]);
             for (&segment, &weight) in shares.segments.iter().zip(&shares.weights).take(shares.count) {
                 if weight > 0.0 {
-                    sum.iter_mut().zip(&mixtures[segment]).for_each(|(s, m)| *s += weight * m);
+                    for (sum, mixture) in sum.iter_mut().zip(&mixtures[segment]) {
+                        for i in 0..LANES {
+                            sum[i] += weight * mixture[i];
+                        }
+                    }
                 }
             }
             let xyz = fit.xyz([0, 1, 2].map(|c| f64::from(picture.rgb[c][i])));
-            for (lanes, s) in work.iter_mut().zip(&sum) {
+            for (lanes, s) in work.iter_mut().zip(sum.as_flattened()) {
                 lanes[l] = *s;
             }
             for c in 0..3 {

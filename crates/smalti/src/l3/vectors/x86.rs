@@ -44,6 +44,64 @@ impl Avx512 {
         // SAFETY: as above.
         unsafe { for_side!(lines.len(), interleave_i16(lines, columns, out)) }
     }
+
+    /// 1 and a patch of `side` rows, one after the other, for each place in `starts`, at every `stride` numbers of `out`; zeros follow up to a whole
+    /// register. A place is that of the first sample in `lines`, and rows are `step` samples apart. Ends before a patch that is not within
+    /// the lines, or has no room.
+    #[inline]
+    pub(in super::super) fn copy_patches(
+        self,
+        side: usize,
+        (lines, step): (&[f32], usize),
+        starts: impl Iterator<Item = usize>,
+        (out, stride): (&mut [f64], usize),
+    ) {
+        // SAFETY: as above.
+        unsafe { for_side!(side, copy_patches((lines, step), starts, (out, stride))) }
+    }
+}
+
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
+fn copy_patches<const SIDE: usize>(
+    (lines, step): (&[f32], usize),
+    starts: impl Iterator<Item = usize>,
+    (out, stride): (&mut [f64], usize),
+) {
+    let blocks = const { (1 + SIDE * SIDE).div_ceil(8) };
+    let reach = (SIDE - 1) * step + SIDE;
+    let first = _mm512_zextps128_ps512(_mm_set_ss(1.0));
+    for (start, out) in starts.zip(out.chunks_mut(stride)) {
+        if lines.get(start..start.saturating_add(reach)).is_none() || out.len() < blocks * 8 {
+            return;
+        }
+        let mut registers = [_mm512_setzero_ps(); (1 + MAX_SIDE * MAX_SIDE).div_ceil(16)];
+        registers[0] = first;
+        for row in 0..SIDE {
+            // The row stands in lanes of one register or of two. Lanes outside the mask are not read, wherever they would be.
+            let (register, lane) = ((1 + row * SIDE) / 16, (1 + row * SIDE) % 16);
+            let lanes = ((1u32 << SIDE) - 1) << lane;
+            // SAFETY: the lanes of the mask are the row, which is within the lines.
+            unsafe {
+                let from = lines.as_ptr().add(start + row * step);
+                let [now, next] = [lanes as u16, (lanes >> 16) as u16];
+                registers[register] = _mm512_mask_loadu_ps(registers[register], now, from.wrapping_sub(lane));
+                if next != 0 {
+                    registers[register + 1] =
+                        _mm512_mask_loadu_ps(registers[register + 1], next, from.wrapping_add(16 - lane));
+                }
+            }
+        }
+        for block in 0..blocks {
+            let register = registers[block / 2];
+            let half = if block % 2 == 0 {
+                _mm512_castps512_ps256(register)
+            } else {
+                _mm512_extractf32x8_ps::<1>(register)
+            };
+            // SAFETY: there is room for as many blocks.
+            unsafe { _mm512_storeu_pd(out.as_mut_ptr().add(8 * block), _mm512_cvtps_pd(half)) };
+        }
+    }
 }
 
 /// Register `o` of the interleaved lines contains in lane `l` column `(o L + l) / P` of line `(o L + l) % P`.
