@@ -295,14 +295,17 @@ impl Camera {
         } else {
             settings.exposures.clone()
         };
+        let mut scaled = Planes::zeros(target.rows(), target.cols(), target.count());
         for (response, i) in exposures.into_iter().zip(0..) {
             let factor = base * response / bright;
             let ideal = self.sensor.capture_ideal((rates, factor), exposure)?;
             let seed = settings.seed.wrapping_add((item.number << 16) + i);
             let drawn = noise.and_then(|noise| noise.at(i, &self.sensor, seed));
             let seen = self.sensor.capture_with(rates, factor, exposure, (NoiseMode::All, seed), drawn)?;
-            let target = bounded(scaled(target, factor), &settings.target, most)?;
-            learner.add_share(&Pair { raw: &ideal, seen: Some(&seen), target: &target }, item.share(i))?;
+            dispatch(Scaled { from: target.data(), factor, to: scaled.data_mut() });
+            bound(&mut scaled, &settings.target, most)?;
+            let target = &scaled;
+            learner.add_share(&Pair { raw: &ideal, seen: Some(&seen), target }, item.share(i))?;
         }
         Ok(())
     }
@@ -463,15 +466,14 @@ fn default_exposures(knowable: f64, least: f64) -> Vec<f64> {
     over.chain((0..=below).map(|i| EXPOSURE_RATIO.powi(-i))).collect()
 }
 
-/// The targets with their brightness (Y, or the largest of other outputs) limited to `most` and their ratios kept. Targets that
-/// the raw image cannot determine would distort the kernels of their classes.
-fn bounded(mut target: Planes, kind: &TrainingTarget, most: f64) -> Result<Planes, CameraError> {
+/// Limits the brightness of targets (Y, or the largest of other outputs) to `most` and keeps their ratios. Targets that the raw image cannot
+/// determine would distort the kernels of their classes.
+fn bound(target: &mut Planes, kind: &TrainingTarget, most: f64) -> Result<(), CameraError> {
     let brightness = match kind {
         TrainingTarget::Xyz => Brightness::Plane(LUMINANCE),
         TrainingTarget::Channels(_) => Brightness::Largest,
     };
-    limit_brightness(&mut target, most as f32, brightness)?;
-    Ok(target)
+    Ok(limit_brightness(target, most as f32, brightness)?)
 }
 
 #[cfg(test)]
@@ -491,11 +493,16 @@ mod tests {
 
     #[test]
     fn what_cannot_be_known_is_not_a_target() {
-        let planes = || Planes::new(1, 3, 3, vec![0.5, 4.0, 0.0, 1.0, 2.0, 0.0, 0.2, 1.0, 0.0]).unwrap();
-        let xyz = bounded(planes(), &TrainingTarget::Xyz, 1.5).unwrap();
+        let bounded = |kind: &TrainingTarget, most| {
+            let values = vec![0.5, 4.0, 0.0, 1.0, 2.0, 0.0, 0.2, 1.0, 0.0];
+            let mut planes = Planes::new(1, 3, 3, values).unwrap();
+            bound(&mut planes, kind, most).unwrap();
+            planes
+        };
+        let xyz = bounded(&TrainingTarget::Xyz, 1.5);
         assert_eq!(xyz.data(), [0.5, 3.0, 0.0, 1.0, 1.5, 0.0, 0.2, 0.75, 0.0]);
         // For other outputs, the largest one is limited.
-        let bands = bounded(planes(), &TrainingTarget::Channels(Vec::new()), 1.0).unwrap();
+        let bands = bounded(&TrainingTarget::Channels(Vec::new()), 1.0);
         assert_eq!(bands.data(), [0.5, 1.0, 0.0, 1.0, 0.5, 0.0, 0.2, 0.25, 0.0]);
     }
 }

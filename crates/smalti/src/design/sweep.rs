@@ -15,7 +15,7 @@ use crate::camera::{Camera, CameraError, EvaluationSettings, OpticalImages};
 use crate::sensor::Mosaic;
 
 /// Revision of the scores. It increases whenever scores change; a table must not mix revisions.
-pub const SCORES_REVISION: u32 = 9;
+pub const SCORES_REVISION: u32 = 10;
 
 /// A trial and its scores.
 #[derive(Debug, Clone, PartialEq)]

@@ -328,8 +328,19 @@ impl Patches<'_> {
     /// Gathers the last part of z of some pixels: the targets.
     #[inline(always)]
     fn gather_targets(&self, pixels: &[u32], batch: &mut [f64], stride: usize) {
-        for (z, &pixel) in batch.chunks_mut(stride).zip(pixels) {
-            let targets = z[1 + self.side * self.side..].iter_mut().zip(&self.targets);
+        let first = 1 + self.side * self.side;
+        // X, Y, Z need no loop.
+        if let &[x, y, z] = &*self.targets {
+            for (out, &pixel) in batch.chunks_mut(stride).zip(pixels) {
+                let at = pixel as usize;
+                if let Some(out) = out.get_mut(first..).and_then(|out| out.first_chunk_mut()) {
+                    *out = [x[at], y[at], z[at]].map(f64::from);
+                }
+            }
+            return;
+        }
+        for (out, &pixel) in batch.chunks_mut(stride).zip(pixels) {
+            let targets = out[first..].iter_mut().zip(&self.targets);
             targets.for_each(|(o, plane)| *o = f64::from(plane[pixel as usize]));
         }
     }

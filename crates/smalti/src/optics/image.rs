@@ -7,7 +7,7 @@ use crate::spectrum::{Observer, SpectralCube, SpectrumError};
 
 /// Revision of the optical computation. Increase it with every change that alters an optical image; caches of
 /// older revisions are then invalid.
-pub const OPTICAL_IMAGE_REVISION: u32 = 1;
+pub const OPTICAL_IMAGE_REVISION: u32 = 2;
 
 /// Spectral irradiance on the sensor plane, photons s⁻¹ m⁻² nm⁻¹, centred on the optical axis. Sample `(r,
 /// c)` is the mean over a square with a side of `sample_spacing_m`.

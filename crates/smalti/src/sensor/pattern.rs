@@ -131,8 +131,12 @@ impl Kernel for DrawRow {
     #[inline(always)]
     fn run(self) -> Vec<PatternBlock> {
         let (row, col, plane) = self.first;
-        let columns = (0..self.cols as u32).step_by(LANES);
-        columns.map(|c| self.source.block((row, col + c, plane))).collect()
+        let mut blocks = Vec::with_capacity(self.cols.div_ceil(LANES));
+        // A closure would not be compiled for the selected instruction set.
+        for c in (0..self.cols as u32).step_by(LANES) {
+            blocks.push(self.source.block((row, col + c, plane)));
+        }
+        blocks
     }
 }
 

@@ -90,10 +90,12 @@ impl Kernel for DrawRow {
     #[inline(always)]
     fn run(self) -> Vec<NoiseBlock> {
         let Self { key, row, window } = self;
-        let columns = (window.col..window.col + window.cols).step_by(LANES);
-        let block =
-            |col: usize| NoiseBlock::draw(&NoiseBlock::counter(key, (row as u32, col as u32, 0)), true);
-        columns.map(block).collect()
+        let mut blocks = Vec::with_capacity(window.cols.div_ceil(LANES));
+        // A closure would not be compiled for the selected instruction set.
+        for col in (window.col..window.col + window.cols).step_by(LANES) {
+            blocks.push(NoiseBlock::draw(&NoiseBlock::counter(key, (row as u32, col as u32, 0)), true));
+        }
+        blocks
     }
 }
 

@@ -18,7 +18,7 @@ use crate::numeric::products::{LANES, add_products};
 use crate::numeric::simd::{Kernel, dispatch};
 
 /// Raised when learning the second stage gives other kernels for equal pictures: stages that were kept under another revision are not used.
-pub const REFINEMENT_REVISION: u32 = 10;
+pub const REFINEMENT_REVISION: u32 = 11;
 
 /// Length of z = (1, inputs, targets), in whole registers.
 const STRIDE: usize = (1 + COUNT + OUTPUTS).next_multiple_of(LANES);
