@@ -6,7 +6,7 @@ use smalti::numeric::arithmetic;
 use smalti::optics::OPTICAL_IMAGE_REVISION;
 
 /// Revision of the files of the studio. Increase it with every change of their content or format.
-const STUDIO_LIGHT_REVISION: u32 = 2;
+const STUDIO_LIGHT_REVISION: u32 = 3;
 
 /// What an entry holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]

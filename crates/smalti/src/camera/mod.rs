@@ -25,6 +25,7 @@ mod ranges;
 mod reference;
 mod resolve;
 mod saturation;
+mod scene_noise;
 pub(crate) mod score;
 pub(crate) mod stable_text;
 pub(crate) mod target;
@@ -55,11 +56,12 @@ pub use light_gain::{
 pub use patch_scores::{GreyScores, PatchScores};
 pub use photograph::Photograph;
 pub use ranges::{KEY_RANGES, KeyRange};
+pub(crate) use scene_noise::SceneNoise;
 pub(crate) use score::picture_cpsnr_db;
 pub use score::{PICTURE_METRICS, PictureScores, ScoreSettings, score_picture};
 pub use test_scene::TestScene;
 pub use training::TrainingItem;
-pub(crate) use training::{HIGHEST_CUT, SceneNoise, Stand};
+pub(crate) use training::{HIGHEST_CUT, Stand};
 pub use training_set::{
     DEFAULT_TRAINING_LIGHT, NoStoredScenes, StoredTrainingScenes, SurfaceReflectances, Surfaces,
     TRAINING_SET_REVISION, TrainingContent, TrainingScene, refinement_scenes, training_reflectances,

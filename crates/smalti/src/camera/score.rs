@@ -257,7 +257,7 @@ impl Kernel for LimitBrightness<'_> {
 
     #[inline(always)]
     fn run(mut self) {
-        /// Pixels whose factors stay in the nearest cache.
+        /// Pixels whose factors stay in the L1 cache.
         const PIECE: usize = 1024;
         let len = self.planes.first().map_or(0, |plane| plane.len());
         let mut factors = [0.0f32; PIECE];
@@ -288,6 +288,30 @@ mod tests {
     use crate::color::ColorSpace;
 
     const WHITE: [f64; 3] = [0.9504, 1.0, 1.0888];
+
+    /// As a loop over pixels does it, in pictures of several pieces.
+    #[test]
+    fn brightness_is_limited_pixel_by_pixel() {
+        let count = 2 * 1024 + 5;
+        let value = |i: usize| [0.3, 2.0, -1.0, 1.5, f32::NAN, 4.0][i * i % 31 % 6];
+        let data: Vec<f32> = (0..3 * count).map(value).collect();
+        let limited = |brightness| {
+            let mut planes = Planes::new(1, count, 3, data.clone()).unwrap();
+            limit_brightness(&mut planes, 1.5, brightness).map(|()| planes)
+        };
+        let check = |found: Planes, brightness: &dyn Fn([f32; 3]) -> f32| {
+            for i in 0..count {
+                let pixel = [0, 1, 2].map(|c| data[c * count + i]);
+                let brightness = brightness(pixel);
+                let factor = if brightness > 1.5 { 1.5 / brightness } else { 1.0 };
+                let of_pixel = [0, 1, 2].map(|c| found.data()[c * count + i].to_bits());
+                assert_eq!(of_pixel, pixel.map(|v| (v * factor).to_bits()), "{i}");
+            }
+        };
+        check(limited(Brightness::Plane(1)).unwrap(), &|pixel| pixel[1]);
+        check(limited(Brightness::Largest).unwrap(), &|pixel| pixel.into_iter().fold(0.0, f32::max));
+        assert!(limited(Brightness::Plane(3)).is_err());
+    }
 
     fn picture(y: impl Fn(usize) -> f32) -> Image {
         let data = WHITE.iter().flat_map(|&w| (0..40 * 50).map(|i| y(i) * w as f32).collect::<Vec<_>>());

@@ -1,18 +1,16 @@
 //! Training pairs by simulation: raw images of a camera and their target pictures.
 
-use std::sync::OnceLock;
-
 use super::chart::LUMINANCE;
 use super::reference::Witness;
 use super::score::{Brightness, limit_brightness};
-use super::{Camera, CameraError, LevelRule, TrainingSettings, TrainingTarget};
+use super::{Camera, CameraError, LevelRule, SceneNoise, TrainingSettings, TrainingTarget};
 use crate::isp::IspError;
 use crate::l3::{Axes, L3Error, Learner, Levels, Pair, RefinementAxes, Share, Statistics, Tiles};
 use crate::numeric::Planes;
 use crate::numeric::simd::{Kernel, dispatch};
 use crate::optics::{Optics, OpticsModel, Padding};
 use crate::scene::{self, Scene, Setting};
-use crate::sensor::{Channel, ElectronRates, Exposure, FixedPattern, NoiseMode, Sensor, TemporalNoise};
+use crate::sensor::{Channel, ElectronRates, Exposure, FixedPattern, NoiseMode, Sensor};
 use crate::spectrum::{Extrapolation, Illuminant, Observer, Spectrum};
 
 /// The quantile of the response that defines an exposure.
@@ -109,24 +107,6 @@ struct SeenScene<'a> {
     /// The illuminant, photons.
     light: &'a Spectrum,
     noise: Option<&'a SceneNoise>,
-}
-
-/// Random numbers of the captures of a scene, one for each exposure, which the cameras before it share. They have the same seeds.
-#[derive(Debug)]
-pub(crate) struct SceneNoise([OnceLock<Option<TemporalNoise>>; SHARED_EXPOSURES]);
-
-/// More than the default ones. Each takes a megabyte while a scene is learned from.
-const SHARED_EXPOSURES: usize = 24;
-
-impl SceneNoise {
-    pub(crate) fn new() -> Self {
-        Self([const { OnceLock::new() }; SHARED_EXPOSURES])
-    }
-
-    /// The numbers at exposure number `i`, drawn when they are needed first.
-    fn at(&self, i: u64, sensor: &Sensor, seed: u64) -> Option<&TemporalNoise> {
-        self.0.get(i as usize)?.get_or_init(|| TemporalNoise::new(sensor, seed)).as_ref()
-    }
 }
 
 impl Camera {
@@ -295,16 +275,16 @@ impl Camera {
         } else {
             settings.exposures.clone()
         };
-        let mut scaled = Planes::zeros(target.rows(), target.cols(), target.count());
+        let mut limited = Planes::zeros(target.rows(), target.cols(), target.count());
         for (response, i) in exposures.into_iter().zip(0..) {
             let factor = base * response / bright;
             let ideal = self.sensor.capture_ideal((rates, factor), exposure)?;
             let seed = settings.seed.wrapping_add((item.number << 16) + i);
             let drawn = noise.and_then(|noise| noise.at(i, &self.sensor, seed));
             let seen = self.sensor.capture_with(rates, factor, exposure, (NoiseMode::All, seed), drawn)?;
-            dispatch(Scaled { from: target.data(), factor, to: scaled.data_mut() });
-            bound(&mut scaled, &settings.target, most)?;
-            let target = &scaled;
+            dispatch(Scaled { from: target.data(), factor, to: limited.data_mut() });
+            bound(&mut limited, &settings.target, most)?;
+            let target = &limited;
             learner.add_share(&Pair { raw: &ideal, seen: Some(&seen), target }, item.share(i))?;
         }
         Ok(())

@@ -230,6 +230,7 @@ impl<L: Learner> Group<'_, L> {
             }
             None => {}
         }
+        // One camera draws its noise in parallel, and need not keep it.
         let noise = (self.now.len() > 1).then(SceneNoise::new);
         self.now.par_iter_mut().try_for_each(|g| {
             let Lit { stand, rates } = g.lit.pop_front().ok_or(ExperimentError::NoScene)?;

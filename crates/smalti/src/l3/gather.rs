@@ -204,9 +204,9 @@ impl<'a> Gatherer<'a> {
     }
 }
 
-/// Widens a range to every `step`th value.
+/// Widens a range to contain every `step`th value; NaN is ignored.
 fn widen(range: &mut [f32; 2], values: &[f32], step: usize) {
-    // Each comparison waits for the one before it, while those of other ranges proceed.
+    // Four ranges, because each comparison with one range would wait for the one before.
     let mut ranges = [*range; 4];
     for values in values.chunks(4 * step) {
         for ([least, most], v) in ranges.iter_mut().zip(values.iter().step_by(step)) {
@@ -292,7 +292,7 @@ impl Patches<'_> {
         }
     }
 
-    /// The places in the lines of the window of the first samples of the patches around some pixels.
+    /// For each pixel, the index in the lines of the window of the first sample of its patch.
     #[inline(always)]
     fn starts(&self, pixels: &[u32]) -> impl Iterator<Item = usize> {
         let window = self.window;
@@ -329,7 +329,7 @@ impl Patches<'_> {
     #[inline(always)]
     fn gather_targets(&self, pixels: &[u32], batch: &mut [f64], stride: usize) {
         let first = 1 + self.side * self.side;
-        // X, Y, Z need no loop.
+        // Three targets, such as X, Y, Z, need no inner loop.
         if let &[x, y, z] = &*self.targets {
             for (out, &pixel) in batch.chunks_mut(stride).zip(pixels) {
                 let at = pixel as usize;
@@ -396,6 +396,7 @@ mod tests {
     use crate::l3::Levels;
     use crate::numeric::Planes;
     use crate::numeric::philox::Stream;
+    use crate::numeric::simd::{Set, with_widest};
     use crate::sensor::{Mosaic, RawImage, RawSamples, Sampling, SignalNoise};
 
     #[test]
@@ -407,6 +408,36 @@ mod tests {
             sort(&mut sorted, u64::from(most));
             expected.sort_by_key(|e| e >> 32);
             assert_eq!(sorted, expected);
+        }
+    }
+
+    /// Moments have the same bits with every instruction set, at every side and for several numbers of outputs.
+    #[test]
+    fn every_instruction_set_gives_the_same_moments() {
+        let mut random = Stream::new(3, 4, 5);
+        let (rows, cols) = (40, 61);
+        let samples = RawSamples::Analog((0..rows * cols).map(|_| random.uniform() as f32).collect());
+        let mosaic = Mosaic::new(2, 2, vec![0, 1, 1, 2]).unwrap();
+        let names = ["R", "G", "B"].map(String::from).to_vec();
+        let raw =
+            RawImage::new(rows, cols, samples, Sampling::Mosaic(mosaic.clone()), names, 0.0, 1.0).unwrap();
+        for side in [3, 5, 7, 9, 11] {
+            let levels = Levels::logarithmic(4, 0.05, 0.95).unwrap();
+            let axes = Axes::new(mosaic.clone(), side, levels, SignalNoise::default()).unwrap();
+            for outputs in [1, 3, 4] {
+                let values = (0..outputs * rows * cols).map(|_| random.uniform() as f32).collect();
+                let target = Planes::new(rows, cols, outputs, values).unwrap();
+                let pair = Pair { raw: &raw, seen: None, target: &target };
+                let gatherer = Gatherer::new(&axes, outputs, (&pair, Tiles::All), [0, 0]);
+                let gathered = |set| {
+                    let (mut trained, mut classes) = (vec![[0.5; 2]; 4], BTreeMap::new());
+                    let add = |band| gatherer.add(band, &mut trained, &mut classes);
+                    with_widest(set, || gatherer.bands().for_each(add));
+                    (trained, classes)
+                };
+                let plain = gathered(Set::Plain);
+                assert!(plain == gathered(Set::Avx2) && plain == gathered(Set::Avx512), "{side}, {outputs}");
+            }
         }
     }
 

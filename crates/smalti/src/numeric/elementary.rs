@@ -1,7 +1,7 @@
 //! Logarithm, exponential, cube root, sine and arc tangent in plain arithmetic, without branches or calls into a maths library. A
 //! loop over them compiles to vector code, and every instruction set, machine and lane gives the same bits.
 //!
-//! The cube root is an iteration. All others are truncated Taylor series with exact rational coefficients after a range
+//! The cube root and the reciprocal square root are iterations, and whole parts are exact. All others are truncated Taylor series with exact rational coefficients after a range
 //! reduction. The truncation error is below the rounding error of the type. Each function states the range of arguments it
 //! accepts.
 
@@ -45,7 +45,8 @@ pub fn ln_f32(x: f32) -> f32 {
     e * f32c::LN_2 + (2.0 * s + 2.0 * s * sum)
 }
 
-/// The whole part of `x` in 0..2²². A cast would have to mind values that no integer holds, and be no vector code.
+/// The whole part of `x` in 0..2²². Other arguments, NaN included, give an arbitrary number. A cast saturates, so that compilers do not
+/// vectorise it.
 #[inline(always)]
 #[must_use]
 pub fn whole_part_f32(x: f32) -> u32 {
@@ -86,14 +87,14 @@ pub fn exp_f64(x: f64) -> f64 {
     sum * f64::from_bits(power)
 }
 
-/// Reciprocal of the square root of a positive normal number, to 2 units in the last place. A square root and a division take several
-/// times as long.
+/// Reciprocal of the square root of a positive normal number, to a relative error of 2⁻²². A square root and a division take several times as
+/// long.
 #[inline(always)]
 #[must_use]
 pub fn inverse_sqrt_f32(x: f32) -> f32 {
     // Halved and negated bits halve and negate the logarithm: right to 1/29. The constant is that of Quake III Arena.
     let mut y = f32::from_bits(0x5F37_59DF_u32.wrapping_sub(x.to_bits() >> 1));
-    // Halley's method cubes the relative error: 1e-4, then below rounding.
+    // Chebyshev's method cubes the relative error: 1e-4, then below rounding.
     for _ in 0..2 {
         let rest = 1.0 - x * y * y;
         y += y * (rest * (0.5 + 0.375 * rest));
@@ -210,6 +211,9 @@ mod tests {
             let single = x as f32;
             assert_eq!(whole_part_f64(x), x as u32, "{x}");
             assert_eq!(whole_part_f32(single), single as u32, "{single}");
+        }
+        for x in [2_147_483_646.5, 2_147_483_647.0] {
+            assert_eq!(whole_part_f64(x), x as u32, "{x}");
         }
     }
 

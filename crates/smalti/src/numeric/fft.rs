@@ -16,11 +16,9 @@ use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 use rustfft::{Fft, FftPlanner};
 use thiserror::Error;
 
-use super::simd::{Kernel, dispatch};
+use super::transpose::{TILE, transpose};
 pub use rustfft::num_complex::Complex32;
 
-/// Side of a transposition tile, in values: 8 complex numbers fill a cache line of 64 bytes.
-const TILE: usize = 8;
 /// Number of tasks that one pass is split into; also the maximum number of threads that work on one plane.
 const TASKS: usize = 16;
 
@@ -324,54 +322,6 @@ impl RealFft2 {
     }
 }
 
-/// Writes the first `count` columns of `from` (rows `stride` apart) as rows of `len` values.
-fn transpose(from: &[Complex32], stride: usize, to: &mut [Complex32], len: usize, count: usize) {
-    if count == TILE {
-        return dispatch(TransposeTile { from, stride, to, len });
-    }
-    for (i, line) in from.chunks(stride).take(len).enumerate() {
-        for (t, &v) in line.iter().take(count).enumerate() {
-            to[t * len + i] = v;
-        }
-    }
-}
-
-/// [`transpose`] of as many columns as a tile is wide.
-struct TransposeTile<'a> {
-    from: &'a [Complex32],
-    stride: usize,
-    to: &'a mut [Complex32],
-    len: usize,
-}
-
-impl Kernel for TransposeTile<'_> {
-    type Output = ();
-
-    /// By squares of whole cache lines, so that lines are read and written at once.
-    #[inline(always)]
-    fn run(self) {
-        let Self { from, stride, to, len } = self;
-        let row = |i: usize| from.get(i * stride..).and_then(|line| line.first_chunk::<TILE>());
-        let squares = len / TILE * TILE;
-        for first in (0..squares).step_by(TILE) {
-            let mut square = [&[Complex32::ZERO; TILE]; TILE];
-            for (i, line) in square.iter_mut().enumerate() {
-                let Some(found) = row(first + i) else { return };
-                *line = found;
-            }
-            for (t, line) in to.chunks_exact_mut(len).enumerate().take(TILE) {
-                for (to, row) in line[first..first + TILE].iter_mut().zip(square) {
-                    *to = row[t];
-                }
-            }
-        }
-        for i in squares..len {
-            let Some(line) = row(i) else { return };
-            line.iter().enumerate().for_each(|(t, v)| to[t * len + i] = *v);
-        }
-    }
-}
-
 fn check(what: &'static str, expected: usize, got: usize) -> Result<(), FftError> {
     if expected == got { Ok(()) } else { Err(FftError::Length { what, expected, got }) }
 }
@@ -397,7 +347,7 @@ mod tests {
 
     #[test]
     fn matches_the_sum_that_defines_it() {
-        for (rows, cols) in [(7, 13), (8, 6), (1, 5)] {
+        for (rows, cols) in [(7, 13), (8, 6), (1, 5), (11, 20)] {
             let x = plane(rows, cols);
             let got = RealFft2::new(rows, cols).unwrap().forward(&x).unwrap();
             for kx in 0..cols / 2 + 1 {

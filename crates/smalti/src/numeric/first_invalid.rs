@@ -24,7 +24,7 @@ impl<F: Fn(f32) -> bool> Kernel for AnyInvalid<'_, F> {
 
     #[inline(always)]
     fn run(self) -> bool {
-        // As wide as the values, so that the flags stand in vectors of as many.
+        // Flags as wide as the values, so that a vector of values gives one of flags.
         self.values.iter().fold(0u32, |found, v| found | u32::from(!(self.is_valid)(*v))) != 0
     }
 }

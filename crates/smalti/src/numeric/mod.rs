@@ -20,6 +20,7 @@ pub(crate) mod products;
 mod rect;
 pub(crate) mod simd;
 pub mod simultaneous;
+mod transpose;
 
 pub use arithmetic::arithmetic;
 pub(crate) use first_invalid::first_invalid;

@@ -253,7 +253,9 @@ impl Candidates {
         for j in 0..padded {
             let t = Candidate::new(self.mean[j].max(PTRS_FROM), self.u[j], self.v[j]);
             k[j] = t.k;
-            place[j] = whole_part_f64(t.k.max(0.0).min(15.0));
+            #[allow(clippy::manual_clamp)] // which would keep NaN
+            let table = t.k.max(0.0).min(15.0);
+            place[j] = whole_part_f64(table);
             hat[j] = t.v * t.inverse_alpha / (t.a / (t.us * t.us) + t.b);
             possible[j] = u8::from((t.k >= 0.0) & !((t.us < 0.013) & (t.v > t.us)));
             accepted[j] = u8::from(t.quick);
@@ -273,7 +275,8 @@ impl Candidates {
             let rest = if small { -(ln_factorial[j] + mean) as f32 } else { (k[j] - mean) as f32 - series };
             let root = if small { 1.0 } else { (std::f32::consts::TAU * kk).sqrt() };
             let excess = single * ln_f32(ratio) + rest - ln_f32(hat[j] as f32 * root);
-            // Three times the sum of the rounding errors and of those of the logarithms, 1.5e-7 of the larger of their values and 1.
+            // At least twice the rounding errors of the excess while the count is below ten times the mean. Beyond that the excess is far below
+            // 0, and its sign is certain.
             let doubt = 1e-3 + 1e-6 * (single + mean as f32);
             accepted[j] |= possible[j] & u8::from(excess > doubt);
             close[j] = possible[j] & (1 - u8::from(excess.abs() > doubt));
@@ -411,8 +414,10 @@ mod tests {
         let mut random = Stream::new(5, 6, 7);
         let (mut accepted, mut rejected) = (0, 0);
         for i in 0..100_000 {
-            let mean = 10.0 * 1.000_115f64.powi(i);
-            let (u, v) = (random.next_u32(), random.next_u32());
+            let mean = 10.0 * 1.000_3f64.powi(i);
+            // Every eighth trial is one of the tails.
+            let u = if i % 8 == 0 { random.next_u32() >> (8 + i / 8 % 24) } else { random.next_u32() };
+            let v = if i % 16 == 0 { random.next_u32() >> (i / 16 % 32) } else { random.next_u32() };
             let one = Candidate::new(mean, u, v);
             let hat = one.v * one.inverse_alpha / (one.a / (one.us * one.us) + one.b);
             let excess = ln_pmf(mean, one.k) - hat.ln();

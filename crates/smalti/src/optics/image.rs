@@ -5,8 +5,8 @@ use rayon::prelude::*;
 use crate::numeric::{Planes, require};
 use crate::spectrum::{Observer, SpectralCube, SpectrumError};
 
-/// Revision of the optical computation. Increase it with every change that alters an optical image; caches of
-/// older revisions are then invalid.
+/// Revision of the optical computation and of the spectra of built-in scenes. Increase it with every change that alters an optical image;
+/// caches of older revisions are then invalid.
 pub const OPTICAL_IMAGE_REVISION: u32 = 2;
 
 /// Spectral irradiance on the sensor plane, photons s⁻¹ m⁻² nm⁻¹, centred on the optical axis. Sample `(r,

@@ -169,7 +169,7 @@ impl Kernel for RadialColumn<'_> {
     }
 }
 
-/// [`lookup`] at several places. From 1 on, what it finds has no meaning.
+/// [`lookup`] at several places. Those from 1 on, and those that are not finite, give arbitrary numbers.
 #[inline(always)]
 fn lookup_all<const N: usize>(table: &[f32], nu: &[f32; N]) -> [f32; N] {
     let last = table.len() - 1;

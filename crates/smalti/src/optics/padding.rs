@@ -75,7 +75,7 @@ impl Extent {
         Self { offset: 0, out: self.len, ..self }
     }
 
-    /// Fills the places of a line of the torus around the samples of the scene, which stand in it.
+    /// Fills the places of a line of the torus around the samples of the scene, which stand in it, as [`Extent::source`] does place by place.
     pub(super) fn surround(&self, line: &mut [f32]) {
         if self.boundary == Boundary::Dark {
             line[..self.offset].fill(0.0);
@@ -160,9 +160,9 @@ mod tests {
             let mut line = vec![f32::NAN; e.total];
             (0..len).for_each(|s| line[e.offset + s] = 1.0 + s as f32);
             e.surround(&mut line);
-            for i in 0..e.total {
+            for (i, found) in line.into_iter().enumerate() {
                 let inside = (e.offset..e.offset + len).contains(&i);
-                prop_assert_eq!(line[i], e.source(i).map_or(0.0, |s| 1.0 + s as f32));
+                prop_assert_eq!(found, e.source(i).map_or(0.0, |s| 1.0 + s as f32));
                 match e.source(i) {
                     Some(s) if inside => assert_eq!(s, i - e.offset),
                     Some(s) => assert!(s < len && boundary != Boundary::Dark),

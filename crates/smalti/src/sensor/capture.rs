@@ -137,8 +137,8 @@ impl Sensor {
         self.captured((light.into(), None), exposure, noise, seed)
     }
 
-    /// [`Sensor::capture`] of rates of photoelectrons times a factor, with random numbers that were drawn for the seed, if they are given. They change no
-    /// bit.
+    /// [`Sensor::capture`] of rates of photoelectrons times a factor, with random numbers that were drawn for the seed, if they are given. They
+    /// change no bit.
     pub(crate) fn capture_with(
         &self,
         rates: &ElectronRates,

@@ -132,7 +132,7 @@ impl Kernel for DrawRow {
     fn run(self) -> Vec<PatternBlock> {
         let (row, col, plane) = self.first;
         let mut blocks = Vec::with_capacity(self.cols.div_ceil(LANES));
-        // A closure would not be compiled for the selected instruction set.
+        // A loop, because `collect` is not inlined and would be compiled for the baseline.
         for c in (0..self.cols as u32).step_by(LANES) {
             blocks.push(self.source.block((row, col + c, plane)));
         }

@@ -2,7 +2,7 @@
 //! added in the order of the signal chain, on blocks of lanes.
 
 use super::pattern::{Pattern, PatternSource};
-use super::temporal_noise::{NoiseBlock, TemporalNoise};
+use super::temporal_noise::{NoiseBlock, TemporalNoise, normals};
 use super::{Exposure, LowGain, NoiseMode, Sensor, SensorError};
 use crate::numeric::normal::normal_pair;
 use crate::numeric::philox::{key, philox4x32};
@@ -34,8 +34,8 @@ struct Exposed {
     reading: [f32; LANES],
 }
 
-/// Random numbers that were drawn before. Those of another device, window or seed are not used.
-#[derive(Clone, Copy, Default)]
+/// Random numbers that were drawn before. A pattern of another device and noise of another window or seed are not used.
+#[derive(Clone, Copy)]
 pub(super) struct Drawn<'a> {
     pub(super) pattern: Option<&'a Pattern>,
     pub(super) noise: Option<&'a TemporalNoise>,
@@ -152,7 +152,8 @@ impl<'a> Readout<'a> {
         fixed_offset_v: &[f32; LANES],
         volts: &mut [f32; LANES],
     ) {
-        let Exposed { electrons, response, mut offset, mut reading } = self.exposed((row, col, plane), light);
+        let Exposed { electrons, response, mut offset, mut reading } =
+            self.exposed((row, col, plane), light, self.has_read_noise() && !self.is_second);
         if self.is_second {
             reading = self.reading_deviates((row, col, plane));
         }
@@ -168,7 +169,7 @@ impl<'a> Readout<'a> {
     /// by its own full well, with its gain and offset, before they are read.
     #[inline(always)]
     pub(super) fn charge(&self, at: (u32, u32, u32), light: &[f32; LANES], volts: &mut [f32; LANES]) {
-        let Exposed { electrons, response, offset, .. } = self.exposed(at, light);
+        let Exposed { electrons, response, offset, .. } = self.exposed(at, light, false);
         for i in 0..LANES {
             let v = electrons[i].min(self.full_well_e) as f32 * self.conversion_gain;
             volts[i] = v * response[i] + offset[i];
@@ -203,22 +204,19 @@ impl<'a> Readout<'a> {
     /// Standard normal deviates of the read noise of samples from `(row, col)` that are not those of the exposure.
     #[inline(always)]
     fn reading_deviates(&self, (row, col, plane): (u32, u32, u32)) -> [f32; LANES] {
-        let mut deviates = [0.0; LANES];
         if !self.has_read_noise() {
-            return deviates;
+            return [0.0; LANES];
         }
         let purpose = if self.is_second { purpose::SECOND } else { purpose::SAMPLE };
         let counter = LaneCounter { key: self.seed, first: col, row, purpose, attempt: plane << 16 };
         let [radius, angle, ..] = counter.block();
-        for i in 0..LANES {
-            deviates[i] = normal_pair(radius[i], angle[i]).0;
-        }
-        deviates
+        normals(&radius, &angle)
     }
 
-    /// Photodiodes from `(row, col)` after the exposure. `light` is in photoelectrons per second.
+    /// Photodiodes from `(row, col)` after the exposure. `light` is in photoelectrons per second. Unless `is_read`, there are no deviates of the
+    /// read noise.
     #[inline(always)]
-    fn exposed(&self, (row, col, plane): (u32, u32, u32), light: &[f32; LANES]) -> Exposed {
+    fn exposed(&self, (row, col, plane): (u32, u32, u32), light: &[f32; LANES], is_read: bool) -> Exposed {
         let mut electrons = [0.0f64; LANES];
         for i in 0..LANES {
             electrons[i] = f64::from(light[i] * self.time_s);
@@ -235,7 +233,7 @@ impl<'a> Readout<'a> {
             let block = match self.drawn.noise {
                 Some(noise) => noise.block(row, col),
                 None => {
-                    own = NoiseBlock::draw(&counter, self.has_read_noise());
+                    own = NoiseBlock::draw(&counter, is_read);
                     &own
                 }
             };

@@ -28,16 +28,21 @@ impl NoiseBlock {
     }
 
     #[inline(always)]
-    pub(super) fn draw(counter: &LaneCounter, has_reading: bool) -> Self {
+    pub(super) fn draw(counter: &LaneCounter, is_read: bool) -> Self {
         let [first, second, radius, angle] = counter.block();
-        let mut reading = [0.0; LANES];
-        if has_reading {
-            for i in 0..LANES {
-                reading[i] = normal_pair(radius[i], angle[i]).0;
-            }
-        }
+        let reading = if is_read { normals(&radius, &angle) } else { [0.0; LANES] };
         Self { photons: [first, second], reading }
     }
+}
+
+/// A standard normal deviate from each pair of random words.
+#[inline(always)]
+pub(super) fn normals(radius: &[u32; LANES], angle: &[u32; LANES]) -> [f32; LANES] {
+    let mut deviates = [0.0; LANES];
+    for i in 0..LANES {
+        deviates[i] = normal_pair(radius[i], angle[i]).0;
+    }
+    deviates
 }
 
 /// The random numbers of every photodiode of a window for one capture.
@@ -50,7 +55,8 @@ pub(crate) struct TemporalNoise {
 }
 
 impl TemporalNoise {
-    /// Draws the numbers on the calling thread; `None` for a sensor with several planes.
+    /// Draws the numbers, or `None` for a sensor with several planes. All are drawn on the calling thread: it may hold a lock, for which a task
+    /// that ran here meanwhile could wait.
     pub(crate) fn new(sensor: &Sensor, seed: u64) -> Option<Self> {
         let (key, window) = Self::drawn_for(sensor, seed)?;
         let rows = window.row..window.row + window.rows;
@@ -91,7 +97,7 @@ impl Kernel for DrawRow {
     fn run(self) -> Vec<NoiseBlock> {
         let Self { key, row, window } = self;
         let mut blocks = Vec::with_capacity(window.cols.div_ceil(LANES));
-        // A closure would not be compiled for the selected instruction set.
+        // A loop, because `collect` is not inlined and would be compiled for the baseline.
         for col in (window.col..window.col + window.cols).step_by(LANES) {
             blocks.push(NoiseBlock::draw(&NoiseBlock::counter(key, (row as u32, col as u32, 0)), true));
         }
@@ -105,7 +111,7 @@ mod tests {
     use crate::numeric::Planes;
     use crate::optics::OpticalImage;
     use crate::sensor::clear_sensor::clear_sensor;
-    use crate::sensor::{Binning, BinningMode, ElectronRates, Exposure, NoiseMode};
+    use crate::sensor::{Binning, BinningMode, ColorArchitecture, ElectronRates, Exposure, NoiseMode};
     use crate::spectrum::{SpectralCube, WavelengthGrid};
 
     /// Captures with numbers that were drawn before have the bits of those that draw them, on windows, with binning, and with numbers of another seed,
@@ -138,6 +144,7 @@ mod tests {
             plain.clone(),
             changed(&|s| s.window = Some(Rect { row: 3, col: 5, rows: 20, cols: 131 })),
             changed(&|s| s.pixel.read_noise_v = 0.0),
+            changed(&|s| s.adc.bits = 0),
             binned(BinningMode::Charge),
             binned(BinningMode::Digital),
         ];
@@ -156,5 +163,9 @@ mod tests {
         }
         let of_others = TemporalNoise::new(&sensors[1], 9).unwrap();
         assert!(!of_others.suits(&plain, 9));
+        let separate = [ColorArchitecture::Prism, ColorArchitecture::FieldSequential];
+        for architecture in separate {
+            assert_eq!(TemporalNoise::new(&changed(&|s| s.architecture = architecture), 9), None);
+        }
     }
 }

@@ -267,8 +267,8 @@ impl Kernel for Mixed<'_> {
             for (&segment, &weight) in shares.segments.iter().zip(&shares.weights).take(shares.count) {
                 if weight > 0.0 {
                     for (sum, mixture) in sum.iter_mut().zip(&mixtures[segment]) {
-                        for i in 0..LANES {
-                            sum[i] += weight * mixture[i];
+                        for k in 0..LANES {
+                            sum[k] += weight * mixture[k];
                         }
                     }
                 }
@@ -282,6 +282,7 @@ impl Kernel for Mixed<'_> {
             }
             scale[l] = picture.scale[i];
         }
+        // Lanes from `count` on have no meaning, and may be no number.
         let (mut luminance, mut largest) = ([0.0f32; LANES], [0.0f32; LANES]);
         for (lanes, w) in work.iter().zip(wavelengths) {
             for l in 0..LANES {

@@ -78,3 +78,32 @@ fn lines_end_where_they_end() {
     let single = numbers.iter().map(|line| line.iter().map(|v| f32::from(*v)).collect());
     check(interleave_f32, &single.collect::<Vec<_>>());
 }
+
+/// Patches at every side, in lines that end with the last sample of the last patch, and room for exactly as many. Copying ends before a patch beyond
+/// the lines.
+#[cfg(target_arch = "x86_64")]
+#[test]
+fn patches_are_copied_row_by_row() {
+    let Some(set) = Avx512::detect() else { return };
+    for side in [3usize, 5, 7, 9, 11] {
+        for (step, starts) in [(side + 4, vec![0, 3, 4, 1]), (40, vec![7, 0, 29])] {
+            let last = starts.iter().copied().max().unwrap();
+            let len = last + (side - 1) * step + side;
+            let lines: Box<[f32]> = (0..len).map(|i| (i % 97) as f32 - 20.5).collect();
+            let stride = (1 + side * side).next_multiple_of(8);
+            let mut out: Box<[f64]> = vec![f64::NAN; (starts.len() + 1) * stride].into();
+            let with_one_beyond = starts.iter().copied().chain([last + 1]);
+            set.copy_patches(side, (&lines, step), with_one_beyond, (&mut out, stride));
+            for (start, z) in starts.iter().zip(out.chunks_exact(stride)) {
+                let sample = |i: usize| f64::from(lines[start + i / side * step + i % side]);
+                let patch: Vec<f64> = (0..side * side).map(sample).collect();
+                assert!(z[0] == 1.0 && z[1..=side * side] == patch, "{side}, {step}, {start}");
+                assert!(z[1 + side * side..].iter().all(|v| *v == 0.0), "{side}");
+            }
+            assert!(out[starts.len() * stride..].iter().all(|v| v.is_nan()), "{side}");
+            let mut short: Box<[f64]> = vec![f64::NAN; stride - 8].into();
+            set.copy_patches(side, (&lines, step), [0].into_iter(), (&mut short, stride));
+            assert!(short.iter().all(|v| v.is_nan()), "{side}");
+        }
+    }
+}

@@ -45,9 +45,9 @@ impl Avx512 {
         unsafe { for_side!(lines.len(), interleave_i16(lines, columns, out)) }
     }
 
-    /// 1 and a patch of `side` rows, one after the other, for each place in `starts`, at every `stride` numbers of `out`; zeros follow up to a whole
-    /// register. A place is that of the first sample in `lines`, and rows are `step` samples apart. Ends before a patch that is not within
-    /// the lines, or has no room.
+    /// For each start: 1, then the `side` rows of the patch as doubles, then zeros up to a whole register, written every `stride` numbers of
+    /// `out`. A start is the place of the first sample in `lines`, and rows are `step` samples apart. Stops at the first patch that is not
+    /// within `lines` or does not fit. The side is one that [`Axes`](crate::l3::Axes) admit.
     #[inline]
     pub(in super::super) fn copy_patches(
         self,
@@ -56,6 +56,7 @@ impl Avx512 {
         starts: impl Iterator<Item = usize>,
         (out, stride): (&mut [f64], usize),
     ) {
+        debug_assert!(matches!(side, 3 | 5 | 7 | 9 | 11), "{side}");
         // SAFETY: as above.
         unsafe { for_side!(side, copy_patches((lines, step), starts, (out, stride))) }
     }
@@ -68,7 +69,7 @@ fn copy_patches<const SIDE: usize>(
     (out, stride): (&mut [f64], usize),
 ) {
     let blocks = const { (1 + SIDE * SIDE).div_ceil(8) };
-    let reach = (SIDE - 1) * step + SIDE;
+    let reach = (SIDE - 1).saturating_mul(step).saturating_add(SIDE);
     let first = _mm512_zextps128_ps512(_mm_set_ss(1.0));
     for (start, out) in starts.zip(out.chunks_mut(stride)) {
         if lines.get(start..start.saturating_add(reach)).is_none() || out.len() < blocks * 8 {
