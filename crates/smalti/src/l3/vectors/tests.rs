@@ -84,7 +84,7 @@ fn lines_end_where_they_end() {
 #[cfg(target_arch = "x86_64")]
 #[test]
 fn patches_are_copied_row_by_row() {
-    let Some(set) = Avx512::detect() else { return };
+    let Some(set) = Avx512::detect().filter(|_| SETS.contains(&Set::Avx512)) else { return };
     for side in [3usize, 5, 7, 9, 11] {
         for (step, starts) in [(side + 4, vec![0, 3, 4, 1]), (40, vec![7, 0, 29])] {
             let last = starts.iter().copied().max().unwrap();
