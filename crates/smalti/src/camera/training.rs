@@ -281,7 +281,7 @@ impl Camera {
             let ideal = self.sensor.capture_ideal((rates, factor), exposure)?;
             let seed = settings.seed.wrapping_add((item.number << 16) + i);
             let drawn = noise.and_then(|noise| noise.at(i, &self.sensor, seed));
-            let seen = self.sensor.capture_with(rates, factor, exposure, (NoiseMode::All, seed), drawn)?;
+            let seen = self.sensor.capture_with((rates, factor), exposure, (NoiseMode::All, seed), drawn)?;
             dispatch(Scaled { from: target.data(), factor, to: limited.data_mut() });
             bound(&mut limited, &settings.target, most)?;
             let target = &limited;

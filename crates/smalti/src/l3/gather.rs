@@ -183,9 +183,11 @@ impl<'a> Gatherer<'a> {
                 let at = start + (right + tile[1] - start % tile[1]) % tile[1];
                 let (step, skipped) = self.tiles.step_and_skipped(tile_row, at / tile[1]);
                 let position = down * tile[1] + right;
-                let (first, step) = (at + skipped * tile[1] - self.phase[1], step * tile[1]);
-                widen(&mut trained[position], classes.mean.get(first..cols - half).unwrap_or(&[]), step);
-                for col in (first..cols - half).step_by(step) {
+                let [mut least, mut most] = trained[position];
+                for col in (at + skipped * tile[1] - self.phase[1]..cols - half).step_by(step * tile[1]) {
+                    let mean = classes.mean[col];
+                    least = if mean < least { mean } else { least };
+                    most = if mean > most { mean } else { most };
                     let number = position as u64 * locals + u64::from(classes.local[col]);
                     let entry = number << 32 | (pixels + col as u64);
                     match classes.saturation[col] {
@@ -193,6 +195,7 @@ impl<'a> Gatherer<'a> {
                         clipped => by_saturation.entry(clipped).or_default().push(entry),
                     }
                 }
+                trained[position] = [least, most];
             }
         }
         if !open.is_empty() {
@@ -201,21 +204,6 @@ impl<'a> Gatherer<'a> {
         let most = self.axes.positions() as u64 * locals;
         by_saturation.values_mut().for_each(|list| sort(list, most));
         ClassifiedPixels { by_saturation, trained }
-    }
-}
-
-/// Widens a range to contain every `step`th value; NaN is ignored.
-fn widen(range: &mut [f32; 2], values: &[f32], step: usize) {
-    // Four ranges, because each comparison with one range would wait for the one before.
-    let mut ranges = [*range; 4];
-    for values in values.chunks(4 * step) {
-        for ([least, most], v) in ranges.iter_mut().zip(values.iter().step_by(step)) {
-            *least = if v < least { *v } else { *least };
-            *most = if v > most { *v } else { *most };
-        }
-    }
-    for [least, most] in ranges {
-        *range = [range[0].min(least), range[1].max(most)];
     }
 }
 

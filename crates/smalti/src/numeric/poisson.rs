@@ -11,7 +11,7 @@
 
 use std::ops::Range;
 
-use super::elementary::{exp_f64, ln_f32, ln_f64, whole_part_f64};
+use super::elementary::{exp_f64, ln_f32, ln_f64, whole_part_f32};
 use super::philox::philox4x32;
 
 /// Lanes of a block.
@@ -255,7 +255,7 @@ impl Candidates {
             k[j] = t.k;
             #[allow(clippy::manual_clamp)] // which would keep NaN
             let table = t.k.max(0.0).min(15.0);
-            place[j] = whole_part_f64(table);
+            place[j] = whole_part_f32(table as f32);
             hat[j] = t.v * t.inverse_alpha / (t.a / (t.us * t.us) + t.b);
             possible[j] = u8::from((t.k >= 0.0) & !((t.us < 0.013) & (t.v > t.us)));
             accepted[j] = u8::from(t.quick);

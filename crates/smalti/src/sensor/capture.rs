@@ -134,29 +134,18 @@ impl Sensor {
         noise: NoiseMode,
         seed: u64,
     ) -> Result<RawImage, SensorError> {
-        self.captured((light.into(), None), exposure, noise, seed)
+        self.capture_with(light, exposure, (noise, seed), None)
     }
 
-    /// [`Sensor::capture`] of rates of photoelectrons times a factor, with random numbers that were drawn for the seed, if they are given. They
-    /// change no bit.
-    pub(crate) fn capture_with(
+    /// [`Sensor::capture`] with random numbers that were drawn for the seed, if they are given. They change no bit.
+    pub(crate) fn capture_with<'a>(
         &self,
-        rates: &ElectronRates,
-        factor: f64,
+        light: impl Into<Light<'a>>,
         exposure: &Exposure,
         (noise, seed): (NoiseMode, u64),
         drawn: Option<&TemporalNoise>,
     ) -> Result<RawImage, SensorError> {
-        self.captured(((rates, factor).into(), drawn), exposure, noise, seed)
-    }
-
-    fn captured(
-        &self,
-        light: (Light<'_>, Option<&TemporalNoise>),
-        exposure: &Exposure,
-        noise: NoiseMode,
-        seed: u64,
-    ) -> Result<RawImage, SensorError> {
+        let light = (light.into(), drawn);
         let levels = self.raw_levels(exposure)?;
         let samples = if self.adc.bits == 0 {
             RawSamples::Analog(self.read_out(light, exposure, noise, seed)?)

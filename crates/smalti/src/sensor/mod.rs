@@ -14,6 +14,7 @@ mod clear_sensor;
 mod collect;
 mod conversion_gain;
 mod device;
+mod drawn_blocks;
 mod electron_rates;
 mod error;
 mod exposure;

@@ -2,12 +2,13 @@
 
 use rayon::prelude::*;
 
+use super::drawn_blocks::{BlockSource, DrawRow, DrawnBlocks};
 use super::{ColorArchitecture, Sensor};
 use crate::numeric::Rect;
 use crate::numeric::normal::normal_pair;
 use crate::numeric::philox::key;
 use crate::numeric::poisson::{LANES, LaneCounter};
-use crate::numeric::simd::{Kernel, dispatch};
+use crate::numeric::simd::dispatch;
 
 /// The least number of rows that one task draws.
 const TASK_ROWS: usize = 16;
@@ -46,10 +47,13 @@ impl PatternSource {
     pub(super) fn plane(self, plane: u32) -> u32 {
         if self.separate { plane << 16 } else { 0 }
     }
+}
 
-    /// The block from `(row, col)`.
+impl BlockSource for PatternSource {
+    type Block = PatternBlock;
+
     #[inline(always)]
-    pub(super) fn block(self, (row, col, plane): (u32, u32, u32)) -> PatternBlock {
+    fn block(self, (row, col, plane): (u32, u32, u32)) -> PatternBlock {
         let counter =
             LaneCounter { key: self.serial, first: col, row, purpose: PURPOSE, attempt: self.plane(plane) };
         let [first, second, defect, _] = counter.block();
@@ -65,10 +69,8 @@ impl PatternSource {
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Pattern {
     source: PatternSource,
-    window: Rect,
     planes: usize,
-    /// For each plane, row by row.
-    blocks: Vec<PatternBlock>,
+    drawn: DrawnBlocks<PatternBlock>,
 }
 
 impl Pattern {
@@ -79,15 +81,10 @@ impl Pattern {
         }
         let (source, window, planes) = Self::drawn_for(sensor);
         let rows = (0..planes * window.rows).into_par_iter().with_min_len(TASK_ROWS);
-        let of_row = |i: usize| {
-            let (plane, row) = (i / window.rows, window.row + i % window.rows);
-            dispatch(DrawRow {
-                source,
-                first: (row as u32, window.col as u32, plane as u32),
-                cols: window.cols,
-            })
-        };
-        Some(Self { source, window, planes, blocks: rows.flat_map_iter(of_row).collect() })
+        let of_row =
+            |i: usize| dispatch(DrawRow { source, window, row: i % window.rows, plane: i / window.rows });
+        let blocks = rows.flat_map_iter(of_row).collect();
+        Some(Self { source, planes, drawn: DrawnBlocks { window, blocks } })
     }
 
     /// What the numbers of a sensor depend on.
@@ -98,7 +95,8 @@ impl Pattern {
 
     /// Whether it is the one that [`Pattern::new`] draws for a sensor.
     pub(super) fn suits(&self, sensor: &Sensor) -> bool {
-        sensor.nonuniformity.differs() && Self::drawn_for(sensor) == (self.source, self.window, self.planes)
+        sensor.nonuniformity.differs()
+            && Self::drawn_for(sensor) == (self.source, self.drawn.window, self.planes)
     }
 
     /// Whether it is the pattern of the source.
@@ -109,34 +107,7 @@ impl Pattern {
     /// The block from `(row, col)` within the window, whose column is a multiple of [`LANES`] from that of the window.
     #[inline(always)]
     pub(super) fn block(&self, (row, col, plane): (u32, u32, u32)) -> &PatternBlock {
-        let plane = if self.source.separate { plane as usize } else { 0 };
-        let (row, col) = (row as usize - self.window.row, col as usize - self.window.col);
-        debug_assert!(col.is_multiple_of(LANES), "{col}");
-        let blocks_per_row = self.window.cols.div_ceil(LANES);
-        &self.blocks[(plane * self.window.rows + row) * blocks_per_row + col / LANES]
-    }
-}
-
-/// Draws the blocks of a row.
-struct DrawRow {
-    source: PatternSource,
-    /// Row, column and plane of the first photodiode.
-    first: (u32, u32, u32),
-    cols: usize,
-}
-
-impl Kernel for DrawRow {
-    type Output = Vec<PatternBlock>;
-
-    #[inline(always)]
-    fn run(self) -> Vec<PatternBlock> {
-        let (row, col, plane) = self.first;
-        let mut blocks = Vec::with_capacity(self.cols.div_ceil(LANES));
-        // A loop, because `collect` is not inlined and would be compiled for the baseline.
-        for c in (0..self.cols as u32).step_by(LANES) {
-            blocks.push(self.source.block((row, col + c, plane)));
-        }
-        blocks
+        self.drawn.at((row, col, if self.source.separate { plane } else { 0 }))
     }
 }
 

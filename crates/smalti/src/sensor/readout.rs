@@ -1,6 +1,7 @@
 //! From the mean number of photoelectrons of a pixel to its voltage at the converter. Every noise term is
 //! added in the order of the signal chain, on blocks of lanes.
 
+use super::drawn_blocks::BlockSource as _;
 use super::pattern::{Pattern, PatternSource};
 use super::temporal_noise::{NoiseBlock, TemporalNoise, normals};
 use super::{Exposure, LowGain, NoiseMode, Sensor, SensorError};
@@ -231,7 +232,7 @@ impl<'a> Readout<'a> {
             let counter = NoiseBlock::counter(self.seed, (row, col, plane));
             let own;
             let block = match self.drawn.noise {
-                Some(noise) => noise.block(row, col),
+                Some(noise) => noise.block((row, col, plane)),
                 None => {
                     own = NoiseBlock::draw(&counter, is_read);
                     &own

@@ -1,11 +1,12 @@
 //! The random numbers behind the temporal noise of a capture, which are the same for all sensors with the same window and seed.
 
 use super::Sensor;
+use super::drawn_blocks::{BlockSource, DrawRow, DrawnBlocks};
 use crate::numeric::Rect;
 use crate::numeric::normal::normal_pair;
 use crate::numeric::philox::key;
 use crate::numeric::poisson::{LANES, LaneCounter};
-use crate::numeric::simd::{Kernel, dispatch};
+use crate::numeric::simd::dispatch;
 
 /// The purpose of the random numbers of photon and read noise, keyed by the seed. Word 3 of the counter holds the plane in its upper half, and
 /// the attempt in its lower one.
@@ -45,63 +46,50 @@ pub(super) fn normals(radius: &[u32; LANES], angle: &[u32; LANES]) -> [f32; LANE
     deviates
 }
 
+/// What chooses the noise of a capture: its seed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct NoiseSource([u32; 2]);
+
+impl BlockSource for NoiseSource {
+    type Block = NoiseBlock;
+
+    #[inline(always)]
+    fn block(self, at: (u32, u32, u32)) -> NoiseBlock {
+        NoiseBlock::draw(&NoiseBlock::counter(self.0, at), true)
+    }
+}
+
 /// The random numbers of every photodiode of a window for one capture.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct TemporalNoise {
-    key: [u32; 2],
-    window: Rect,
-    /// Row by row.
-    blocks: Vec<NoiseBlock>,
+    source: NoiseSource,
+    drawn: DrawnBlocks<NoiseBlock>,
 }
 
 impl TemporalNoise {
     /// Draws the numbers, or `None` for a sensor with several planes. All are drawn on the calling thread: it may hold a lock, for which a task
     /// that ran here meanwhile could wait.
     pub(crate) fn new(sensor: &Sensor, seed: u64) -> Option<Self> {
-        let (key, window) = Self::drawn_for(sensor, seed)?;
-        let rows = window.row..window.row + window.rows;
-        let blocks = rows.flat_map(|row| dispatch(DrawRow { key, row, window })).collect();
-        Some(Self { key, window, blocks })
+        let (source, window) = Self::drawn_for(sensor, seed)?;
+        let of_row = |row| dispatch(DrawRow { source, window, row, plane: 0 });
+        let blocks = (0..window.rows).flat_map(of_row).collect();
+        Some(Self { source, drawn: DrawnBlocks { window, blocks } })
     }
 
     /// What the numbers depend on.
-    fn drawn_for(sensor: &Sensor, seed: u64) -> Option<([u32; 2], Rect)> {
-        (sensor.sampling().planes() == 1).then(|| (key(seed), sensor.unbinned().read_window()))
+    fn drawn_for(sensor: &Sensor, seed: u64) -> Option<(NoiseSource, Rect)> {
+        (sensor.sampling().planes() == 1).then(|| (NoiseSource(key(seed)), sensor.unbinned().read_window()))
     }
 
     /// Whether these are the numbers that [`TemporalNoise::new`] draws.
     pub(super) fn suits(&self, sensor: &Sensor, seed: u64) -> bool {
-        Self::drawn_for(sensor, seed) == Some((self.key, self.window))
+        Self::drawn_for(sensor, seed) == Some((self.source, self.drawn.window))
     }
 
-    /// The block from `(row, col)` within the window, whose column is a multiple of [`LANES`] from that of the window.
+    /// The block from row, column and plane within the window, whose column is a multiple of [`LANES`] from that of the window.
     #[inline(always)]
-    pub(super) fn block(&self, row: u32, col: u32) -> &NoiseBlock {
-        let (row, col) = (row as usize - self.window.row, col as usize - self.window.col);
-        debug_assert!(col.is_multiple_of(LANES), "{col}");
-        &self.blocks[row * self.window.cols.div_ceil(LANES) + col / LANES]
-    }
-}
-
-/// Draws the blocks of a row.
-struct DrawRow {
-    key: [u32; 2],
-    row: usize,
-    window: Rect,
-}
-
-impl Kernel for DrawRow {
-    type Output = Vec<NoiseBlock>;
-
-    #[inline(always)]
-    fn run(self) -> Vec<NoiseBlock> {
-        let Self { key, row, window } = self;
-        let mut blocks = Vec::with_capacity(window.cols.div_ceil(LANES));
-        // A loop, because `collect` is not inlined and would be compiled for the baseline.
-        for col in (window.col..window.col + window.cols).step_by(LANES) {
-            blocks.push(NoiseBlock::draw(&NoiseBlock::counter(key, (row as u32, col as u32, 0)), true));
-        }
-        blocks
+    pub(super) fn block(&self, at: (u32, u32, u32)) -> &NoiseBlock {
+        self.drawn.at(at)
     }
 }
 
@@ -156,7 +144,8 @@ mod tests {
                 for seed in [9, 10] {
                     let noise = TemporalNoise::new(sensor, seed).unwrap();
                     assert_eq!(noise.suits(sensor, 9), seed == 9);
-                    let found = sensor.capture_with(&rates, 1.0, &exposure, (mode, 9), Some(&noise)).unwrap();
+                    let found =
+                        sensor.capture_with((&rates, 1.0), &exposure, (mode, 9), Some(&noise)).unwrap();
                     assert_eq!(found, expected, "{mode:?}, {seed}");
                 }
             }
