@@ -34,11 +34,13 @@ const TENT: [i64; 5] = [1, 2, 3, 2, 1];
 /// The tangent of 22.5° in 2⁻¹⁵.
 const TANGENT: i64 = 13_573;
 /// Right shifts of Y and left shifts of Y and noise in the contrast, by distance along a row or a column.
-const LIGHT: [u32; 1 + highlights::REACH] = [0, 0, 1, 2, 2];
-const DARKNESS: [u32; 1 + highlights::REACH] = [0, 1, 2, 3, 3];
-/// Weights of the mean colour by distance; those of a line sum to 2⁸, those of 9 × 9 pixels to 2¹⁶.
+const LIGHT: [u32; 1 + highlights::REACH] = [0, 0, 0, 1, 2];
+const DARKNESS: [u32; 1 + highlights::REACH] = [0, 0, 0, 1, 2];
+/// Weights of the mean Y by distance; those of a line sum to 2⁸, those of 9 × 9 pixels to 2¹⁶.
 const BINOMIAL: [i64; 1 + highlights::REACH] = [70, 56, 28, 8, 1];
 const BINOMIAL_PLACES: u32 = 16;
+/// Binary places of sums of colours times weights, beyond those of pictures.
+const SUM_PLACES: u32 = 12;
 /// Contrasts at which the correction begins and is complete.
 const FROM: i64 = highlights::CONTRASTS[0] as i64;
 const TO: i64 = highlights::CONTRASTS[1] as i64;
@@ -295,13 +297,23 @@ impl FixedRefinement {
             return own;
         }
         let share = ((beyond << SHARE_PLACES) / ((TO - FROM) * darkest)).min(1 << SHARE_PLACES);
-        let weight = |r: isize, c: isize| BINOMIAL[r.unsigned_abs()] * BINOMIAL[c.unsigned_abs()];
-        let [x, y, z] = [0, 1, 2].map(|plane| around(plane).map(|(r, c, v)| weight(r, c) * v).sum::<i64>());
+        let binomial = |r: isize, c: isize| BINOMIAL[r.unsigned_abs()] * BINOMIAL[c.unsigned_abs()];
+        let mean: i64 = lights().map(|(r, c, y)| binomial(r, c) * y).sum();
+        let weight = |r: isize, c: isize| {
+            let most = refined.at(row + r, col + c).into_iter().fold(0, i32::max);
+            let headroom = i64::from(((1 << PLACES) - most).max(1 << (PLACES - 2)));
+            let squared = (headroom * headroom) >> PLACES;
+            (squared * squared) >> PLACES
+        };
+        let sum_places = PLACES - SUM_PLACES;
+        let sum = |plane| rounded(around(plane).map(|(r, c, v)| weight(r, c) * v).sum(), sum_places);
+        let [x, y, z] = [0, 1, 2].map(sum);
+        let weights = around(1).map(|(r, c, _)| weight(r, c)).sum::<i64>();
         let is_near = |r: isize, c: isize| r.abs() <= 1 && c.abs() <= 1;
         let near = lights().filter(|&(r, c, _)| is_near(r, c));
         let near = rounded(near.map(|(r, c, y)| y << (2 - r.abs() - c.abs())).sum(), 4);
-        let light = i64::from(own[1]).max(near >> 1).max(y >> (BINOMIAL_PLACES + 2));
-        let total = y.max(self.dark << BINOMIAL_PLACES);
+        let light = i64::from(own[1]).max(near >> 1).max(mean >> (BINOMIAL_PLACES + 2));
+        let total = y.max(self.dark * weights >> sum_places);
         let goal = [x.max(0) * light / total, light, z.max(0) * light / total];
         std::array::from_fn(|p| {
             let (own, goal) = (i64::from(own[p]), i64::from(saturated(goal[p])));

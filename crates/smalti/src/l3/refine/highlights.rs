@@ -2,7 +2,8 @@
 //!
 //! Near a lamp, what a mosaic does not resolve of its edge is wrong by a few percent of its brightness, in other colours at every pixel: more than
 //! the light of its surroundings. Where Y around a pixel has such a contrast, the pixel has the mean colour of the light around it instead, and its
-//! Y is at least half of the mean Y of its neighbours, where negative Y counts as 0, and at least a quarter of the mean Y around it.
+//! Y is at least half of the mean Y of its neighbours and a quarter of the mean Y around it, in which negative Y counts as 0. Light
+//! near saturation counts less in the mean colour, because the colour of clipped light is wrong.
 
 use super::super::blocks::{LANES, values, values_mut};
 use super::stages::{MARGIN, Padded, Vector, copy_row};
@@ -13,14 +14,17 @@ use crate::numeric::simd::{Kernel, dispatch};
 pub(super) const REACH: usize = 4;
 const SIDE: usize = 2 * REACH + 1;
 /// Weights of light in the contrast by distance along a row or a column; in both directions they are multiplied.
-const LIGHT: [f32; 1 + REACH] = [1.0, 1.0, 0.5, 0.25, 0.25];
+const LIGHT: [f32; 1 + REACH] = [1.0, 1.0, 1.0, 0.5, 0.25];
 /// Factors of the Y of dark pixels in the contrast by distance.
-const DARKNESS: [f32; 1 + REACH] = [1.0, 2.0, 4.0, 8.0, 8.0];
+const DARKNESS: [f32; 1 + REACH] = [1.0, 1.0, 1.0, 2.0, 4.0];
 /// The contrast at which the correction begins, and the contrast at which it is complete.
-pub(super) const CONTRASTS: [f32; 2] = [8.0, 32.0];
-/// Binomial weights of the mean colour by distance; those of the nine pixels of a line sum to 1.
+pub(super) const CONTRASTS: [f32; 2] = [16.0, 32.0];
+/// The least headroom that the weight of a pixel in the mean colour is the fourth power of.
+const LEAST_HEADROOM: f32 = 0.25;
+/// Binomial weights of the mean Y by distance; those of the nine pixels of a line sum to 1.
 const WEIGHTS: [f32; 1 + REACH] = [70.0 / 256.0, 56.0 / 256.0, 28.0 / 256.0, 8.0 / 256.0, 1.0 / 256.0];
-/// Least Y of a corrected pixel, relative to the mean Y of 3 × 3 pixels with binomial weights and to the Y of the mean colour.
+/// Least Y of a corrected pixel, relative to the means of Y with binomial weights over 3 × 3 and over all pixels. Negative Y counts as 0 in them: it
+/// would cancel the light beside it.
 const LEAST: [f32; 2] = [0.5, 0.25];
 
 /// Corrects a strip. `dark` is the standard deviation of the noise of a sample at Y = 0, which is added to the Y of dark pixels.
@@ -48,8 +52,10 @@ struct Scratch {
     darkest: Vec<f32>,
     /// How much of the correction applies.
     shares: Vec<f32>,
-    /// Means of every column: of X, Y and Z, and of Y of 3 rows.
-    means: [Vec<f32>; 3],
+    /// Sums over every column of weights, and of X, Y and Z times weights.
+    sums: [Vec<f32>; 4],
+    /// Means of Y over every column, and over 3 rows of it.
+    around: Vec<f32>,
     near: Vec<f32>,
 }
 
@@ -88,21 +94,53 @@ impl Extremes {
     }
 }
 
-/// Means with [`WEIGHTS`].
+/// Means with [`WEIGHTS`], in which negative values count as 0.
 #[inline(always)]
 fn weighted(lines: [&Vector; SIDE]) -> Vector {
     let mut means = [0.0; LANES];
     for (i, mean) in means.iter_mut().enumerate() {
-        *mean = lines[REACH][i] * WEIGHTS[0];
+        let line = |at: usize| greater(0.0, lines[at][i]);
+        *mean = line(REACH) * WEIGHTS[0];
         for far in 1..=REACH {
-            *mean += (lines[REACH - far][i] + lines[REACH + far][i]) * WEIGHTS[far];
+            *mean += (line(REACH - far) + line(REACH + far)) * WEIGHTS[far];
         }
     }
     means
 }
 
-/// Means with weights 1, 2, 1 of the three lines in the middle, of which negative values count as 0: they would cancel the light of a lamp's
-/// neighbours.
+/// Sums of weights, and of X, Y and Z times weights. The weight of a pixel is the fourth power of its headroom: of 1 less the largest of its X, Y and Z,
+/// because a channel saturates at about 1.
+#[inline(always)]
+fn by_headroom([x, y, z]: [[&Vector; SIDE]; 3]) -> [Vector; 4] {
+    let mut sums = [[0.0; LANES]; 4];
+    for at in 0..SIDE {
+        for i in 0..LANES {
+            let own = [x[at][i], y[at][i], z[at][i]];
+            let headroom = 1.0 - own.into_iter().fold(0.0, greater);
+            let headroom = greater(headroom, LEAST_HEADROOM);
+            let weight = (headroom * headroom) * (headroom * headroom);
+            sums[0][i] += weight;
+            sums[1][i] += weight * own[0];
+            sums[2][i] += weight * own[1];
+            sums[3][i] += weight * own[2];
+        }
+    }
+    sums
+}
+
+/// The sums of nine lines.
+#[inline(always)]
+fn total(lines: [&Vector; SIDE]) -> Vector {
+    let mut sums = *lines[0];
+    for line in &lines[1..] {
+        for (sum, v) in sums.iter_mut().zip(*line) {
+            *sum += v;
+        }
+    }
+    sums
+}
+
+/// Means with weights 1, 2, 1 of the three lines in the middle, of which negative values count as 0.
 #[inline(always)]
 fn nearest(lines: [&Vector; SIDE]) -> Vector {
     let mut means = [0.0; LANES];
@@ -178,17 +216,18 @@ impl<'a> Row<'a> {
         Some(any.contains(&1))
     }
 
-    /// Computes the means of every column.
+    /// Computes the sums and means of every column.
     #[inline(always)]
-    fn means(&mut self, padded: usize) -> Option<()> {
-        let lines = [self.lines(0), self.lines(1), self.lines(2)];
-        for (lines, means) in lines.iter().zip(&mut self.scratch.means) {
-            for at in (0..padded + LANES).step_by(LANES) {
-                *values_mut(means, at)? = weighted(down(lines, at)?);
-            }
-        }
+    fn columns(&mut self, padded: usize) -> Option<()> {
+        let [x, y, z] = [self.lines(0), self.lines(1), self.lines(2)];
+        let scratch = &mut *self.scratch;
         for at in (0..padded + LANES).step_by(LANES) {
-            *values_mut(&mut self.scratch.near, at)? = nearest(down(&lines[1], at)?);
+            let lines = [down(&x, at)?, down(&y, at)?, down(&z, at)?];
+            for (sums, place) in by_headroom(lines).into_iter().zip(&mut scratch.sums) {
+                *values_mut(place, at)? = sums;
+            }
+            *values_mut(&mut scratch.around, at)? = weighted(lines[1]);
+            *values_mut(&mut scratch.near, at)? = nearest(lines[1]);
         }
         Some(())
     }
@@ -203,16 +242,18 @@ impl<'a> Row<'a> {
             if !shares.iter().any(|share| *share > 0.0) {
                 continue;
             }
-            let [mean_x, mean_y, mean_z] = &scratch.means;
-            let mean_y = weighted(along(mean_y, at)?);
-            let (mean_x, mean_z) = (weighted(along(mean_x, at)?), weighted(along(mean_z, at)?));
-            let near = nearest(along(&scratch.near, at)?);
+            let mut sums = [[0.0; LANES]; 4];
+            for (sums, columns) in sums.iter_mut().zip(&scratch.sums) {
+                *sums = total(along(columns, at)?);
+            }
+            let [weights, sum_x, sum_y, sum_z] = sums;
+            let (around, near) = (weighted(along(&scratch.around, at)?), nearest(along(&scratch.near, at)?));
             let here = at..(at + LANES).min(cols);
             for (i, col) in here.enumerate() {
-                let least = greater(LEAST[0] * near[i], LEAST[1] * mean_y[i]);
+                let least = greater(LEAST[0] * near[i], LEAST[1] * around[i]);
                 let light = greater(y[col], least);
-                let factor = light / greater(mean_y[i], self.dark);
-                let goal = [greater(mean_x[i], 0.0) * factor, light, greater(mean_z[i], 0.0) * factor];
+                let factor = light / greater(sum_y[i], self.dark * weights[i]);
+                let goal = [greater(sum_x[i], 0.0) * factor, light, greater(sum_z[i], 0.0) * factor];
                 if shares[i] > 0.0 {
                     for (own, goal) in [&mut x[col], &mut y[col], &mut z[col]].into_iter().zip(goal) {
                         *own += shares[i] * (goal - *own);
@@ -231,11 +272,12 @@ impl Kernel for Row<'_> {
     fn run(mut self) {
         let cols = self.out[1].len();
         let padded = cols.next_multiple_of(LANES);
-        let Scratch { brightest, darkest, shares, means: [x, y, z], near } = &mut *self.scratch;
-        for plane in [brightest, darkest, shares, x, y, z, near] {
+        let Scratch { brightest, darkest, shares, sums: [weights, x, y, z], around, near } =
+            &mut *self.scratch;
+        for plane in [brightest, darkest, shares, weights, x, y, z, around, near] {
             plane.resize(padded + LANES, 0.0);
         }
-        if self.shares(padded) == Some(true) && self.means(padded).is_some() {
+        if self.shares(padded) == Some(true) && self.columns(padded).is_some() {
             self.correct(cols);
         }
     }

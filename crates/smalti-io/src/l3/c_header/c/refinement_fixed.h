@@ -173,14 +173,15 @@ static inline void @p@_refined_pixel(const @p@_picture pictures[@P@_PICTURES], i
 }
 
 /* A pixel of the refined picture. Beside light that is many times as bright it has the mean colour of the light around it,
-   at least half of the mean Y of its neighbours and at least a quarter of the mean Y around it. */
+   in which light near saturation counts less, at least half of the mean Y of its neighbours and at least a quarter of the mean
+   Y around it. */
 static inline void @p@_corrected(const @p@_picture *p, int32_t row, int32_t col, int32_t out[3])
 {
     /* By distance: right shifts of Y, and left shifts of Y and noise, in the contrast. */
-    static const int8_t light_bits[5] = { 0, 0, 1, 2, 2 }, dark_bits[5] = { 0, 1, 2, 3, 3 };
-    /* Weights of colours, by distance; those of a line sum to 256. */
+    static const int8_t light_bits[5] = { 0, 0, 0, 1, 2 }, dark_bits[5] = { 0, 0, 0, 1, 2 };
+    /* Weights of the mean Y, by distance; those of a line sum to 256. */
     static const int8_t weights[5] = { 70, 56, 28, 8, 1 };
-    int64_t brightest = 0, darkest = INT64_MAX, sums[3] = { 0, 0, 0 }, nearby = 0, share, light, total, goal[3];
+    int64_t brightest = 0, darkest = INT64_MAX, sums[4] = { 0, 0, 0, 0 }, around = 0, nearby = 0, share, light, total, goal[3];
     int32_t r, c, plane;
     for (r = -4; r <= 4; r++)
         for (c = -4; c <= 4; c++) {
@@ -192,24 +193,36 @@ static inline void @p@_corrected(const @p@_picture *p, int32_t row, int32_t col,
         }
     for (plane = 0; plane < 3; plane++)
         out[plane] = @p@_at(p, plane, row, col);
-    brightest -= 8 * darkest;
+    brightest -= 16 * darkest;
     if (brightest <= 0)
         return;
-    share = (brightest << 10) / (24 * darkest);
+    share = (brightest << 10) / (16 * darkest);
     share = share < 1 << 10 ? share : 1 << 10;
     for (r = -4; r <= 4; r++)
         for (c = -4; c <= 4; c++) {
             const int32_t down = r < 0 ? -r : r, right = c < 0 ? -c : c;
+            int64_t headroom = 1 << 20;
+            for (plane = 0; plane < 3; plane++) {
+                const int64_t rest = ((int64_t)1 << 20) - @p@_at(p, plane, row + r, col + c);
+                headroom = rest < headroom ? rest : headroom;
+            }
+            headroom = headroom > 1 << 18 ? headroom : 1 << 18;
+            headroom = (headroom * headroom) >> 20;
+            headroom = (headroom * headroom) >> 20;
             for (plane = 0; plane < 3; plane++)
-                sums[plane] += (int64_t)(weights[down] * weights[right]) * @p@_at(p, plane, row + r, col + c);
+                sums[plane] += headroom * @p@_at(p, plane, row + r, col + c);
+            sums[3] += headroom;
+            around += (int64_t)(weights[down] * weights[right]) * @p@_light(p, row + r, col + c);
             if (down <= 1 && right <= 1)
                 nearby += (int64_t)((2 - down) * (2 - right)) * @p@_light(p, row + r, col + c);
         }
     nearby = @p@_rounded(nearby, 4) / 2;
-    light = sums[1] / (1 << 18);
+    for (plane = 0; plane < 3; plane++)
+        sums[plane] = @p@_rounded(sums[plane], 8);
+    light = around / (1 << 18);
     light = nearby > light ? nearby : light;
     light = out[1] > light ? out[1] : light;
-    total = (int64_t)@P@_DARK << 16;
+    total = (@P@_DARK * sums[3]) >> 8;
     total = sums[1] > total ? sums[1] : total;
     for (plane = 0; plane < 3; plane++)
         goal[plane] = @p@_saturated((sums[plane] > 0 ? sums[plane] : 0) * light / total);

@@ -139,13 +139,14 @@ static inline float @p@_weighted(const float v[9])
 }
 
 /* A pixel of the refined picture. Beside light that is many times as bright it has the mean colour of the light around it,
-   at least half of the mean Y of its neighbours and at least a quarter of the mean Y around it. */
+   in which light near saturation counts less, at least half of the mean Y of its neighbours and at least a quarter of the mean
+   Y around it. */
 static inline void @p@_corrected(const @p@_picture *p, int32_t row, int32_t col, float out[3])
 {
     /* Weights of light and factors of dark pixels in the contrast, by distance. */
-    static const float lights[5] = { 1.0f, 1.0f, 0.5f, 0.25f, 0.25f };
-    static const float darks[5] = { 1.0f, 2.0f, 4.0f, 8.0f, 8.0f };
-    float brightest = 0.0f, darkest = 0.0f, means[3], lines[9], columns[9], nearby, light, share, factor;
+    static const float lights[5] = { 1.0f, 1.0f, 1.0f, 0.5f, 0.25f };
+    static const float darks[5] = { 1.0f, 1.0f, 1.0f, 2.0f, 4.0f };
+    float brightest = 0.0f, darkest = 0.0f, sums[4], lines[9], columns[9], around, nearby, light, share, factor;
     int32_t r, c, plane;
     for (r = -4; r <= 4; r++)
         for (c = -4; c <= 4; c++) {
@@ -155,29 +156,42 @@ static inline void @p@_corrected(const @p@_picture *p, int32_t row, int32_t col,
             brightest = lit > brightest ? lit : brightest;
             darkest = (r == -4 && c == -4) || dark < darkest ? dark : darkest;
         }
-    share = (brightest / darkest - 8.0f) / 24.0f;
+    share = (brightest / darkest - 16.0f) / 16.0f;
     for (plane = 0; plane < 3; plane++)
         out[plane] = @p@_at(p, plane, row, col);
     if (!(share > 0.0f))
         return;
     share = share < 1.0f ? share : 1.0f;
-    for (plane = 0; plane < 3; plane++) {
-        for (c = -4; c <= 4; c++) {
-            for (r = -4; r <= 4; r++)
-                lines[r + 4] = @p@_at(p, plane, row + r, col + c);
-            columns[c + 4] = @p@_weighted(lines);
+    for (c = -4; c <= 4; c++) {
+        float of_column[4] = { 0.0f, 0.0f, 0.0f, 0.0f };
+        for (r = -4; r <= 4; r++) {
+            float own[3], headroom = 0.0f;
+            for (plane = 0; plane < 3; plane++) {
+                own[plane] = @p@_at(p, plane, row + r, col + c);
+                headroom = own[plane] > headroom ? own[plane] : headroom;
+            }
+            headroom = 1.0f - headroom > 0.25f ? 1.0f - headroom : 0.25f;
+            headroom *= headroom;
+            headroom *= headroom;
+            for (plane = 0; plane < 3; plane++)
+                of_column[plane] += headroom * own[plane];
+            of_column[3] += headroom;
+            lines[r + 4] = @p@_light(p, row + r, col + c);
         }
-        means[plane] = @p@_weighted(columns);
+        columns[c + 4] = @p@_weighted(lines);
+        for (plane = 0; plane < 4; plane++)
+            sums[plane] = c == -4 ? of_column[plane] : sums[plane] + of_column[plane];
     }
+    around = @p@_weighted(columns);
     for (c = -1; c <= 1; c++)
         columns[c + 1] = (@p@_light(p, row - 1, col + c) + @p@_light(p, row + 1, col + c)
                           + 2.0f * @p@_light(p, row, col + c)) * 0.25f;
     nearby = (columns[0] + columns[2] + 2.0f * columns[1]) * 0.25f;
-    light = 0.25f * means[1] > 0.5f * nearby ? 0.25f * means[1] : 0.5f * nearby;
+    light = 0.25f * around > 0.5f * nearby ? 0.25f * around : 0.5f * nearby;
     light = out[1] > light ? out[1] : light;
-    factor = light / (means[1] < @P@_DARK ? @P@_DARK : means[1]);
+    factor = light / (sums[1] < @P@_DARK * sums[3] ? @P@_DARK * sums[3] : sums[1]);
     for (plane = 0; plane < 3; plane++) {
-        const float goal = plane == 1 ? light : (means[plane] < 0.0f ? 0.0f : means[plane]) * factor;
+        const float goal = plane == 1 ? light : (sums[plane] < 0.0f ? 0.0f : sums[plane]) * factor;
         out[plane] += share * (goal - out[plane]);
     }
 }
