@@ -313,7 +313,7 @@ impl FixedRefinement {
         let near = lights().filter(|&(r, c, _)| is_near(r, c));
         let near = rounded(near.map(|(r, c, y)| y << (2 - r.abs() - c.abs())).sum(), 4);
         let light = i64::from(own[1]).max(near >> 1).max(mean >> (BINOMIAL_PLACES + 2));
-        let total = y.max(self.dark * weights >> sum_places);
+        let total = y.max((self.dark * weights) >> sum_places);
         let goal = [x.max(0) * light / total, light, z.max(0) * light / total];
         std::array::from_fn(|p| {
             let (own, goal) = (i64::from(own[p]), i64::from(saturated(goal[p])));

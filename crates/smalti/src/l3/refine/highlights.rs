@@ -101,8 +101,8 @@ fn weighted(lines: [&Vector; SIDE]) -> Vector {
     for (i, mean) in means.iter_mut().enumerate() {
         let line = |at: usize| greater(0.0, lines[at][i]);
         *mean = line(REACH) * WEIGHTS[0];
-        for far in 1..=REACH {
-            *mean += (line(REACH - far) + line(REACH + far)) * WEIGHTS[far];
+        for (far, weight) in (0..).zip(WEIGHTS).skip(1) {
+            *mean += (line(REACH - far) + line(REACH + far)) * weight;
         }
     }
     means
