@@ -170,7 +170,7 @@ fn with_highlights(stage: &Refinement, lift: f32) -> Refinement {
 }
 
 /// The pipeline with such a stage, whose pictures of an image have corrected pixels unless the image is small.
-fn best_of(first: &Pipeline, axes: RefinementAxes, image: &smalti::sensor::RawImage) -> Pipeline {
+pub(super) fn best_of(first: &Pipeline, axes: RefinementAxes, image: &smalti::sensor::RawImage) -> Pipeline {
     let stage = second_stage_of(axes);
     let with = |lift| first.clone().with_refinement(Some(with_highlights(&stage, lift))).unwrap();
     let (best, lifted) = (with(0.0), with(100.0));

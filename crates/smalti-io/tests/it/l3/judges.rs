@@ -94,16 +94,16 @@ fn the_documented_formula_renders() {
     }
 }
 
-/// The refinement of the documentation, in Python and in double precision. Where rounding moves a pixel across a threshold, its class
-/// differs.
+/// The refinement of the documentation, in Python and in double precision, of a picture with corrected pixels. Where rounding moves a pixel across a
+/// threshold, its class differs.
 #[test]
 fn the_documented_refinement_refines() {
     let dir = tempfile::tempdir().unwrap();
     let first = picture_pipeline();
-    let both = first.clone().with_refinement(Some(second_stage())).unwrap();
+    let (raw, _) = raw(&bayer(), 60, 71, [0, 0]);
+    let both = super::c_header_float::best_of(&first, second_stage().axes().clone(), &raw);
     let (table, picture) = (dir.path().join("a.l3"), dir.path().join("xyz.npy"));
     write_table(&table, &both).unwrap();
-    let (raw, _) = raw(&bayer(), 60, 71, [0, 0]);
     let rendered = first.render_raw(&raw).unwrap().planes;
     npy::write(&picture, &[3, 60, 71], rendered.data()).unwrap();
     let Some(seen) = python("refine_l3.py", "safetensors, numpy", &[&table, &picture]) else { return };

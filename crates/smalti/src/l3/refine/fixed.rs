@@ -39,6 +39,8 @@ const DARKNESS: [u32; 1 + highlights::REACH] = [0, 0, 0, 1, 2];
 /// Weights of the mean Y by distance; those of a line sum to 2⁸, those of 9 × 9 pixels to 2¹⁶.
 const BINOMIAL: [i64; 1 + highlights::REACH] = [70, 56, 28, 8, 1];
 const BINOMIAL_PLACES: u32 = 16;
+/// Greatest ratios of X and Z of the mean colour to its Y.
+const MOST_OF_Y: [i64; 2] = [highlights::MOST[0] as i64, highlights::MOST[1] as i64];
 /// Binary places of sums of colours times weights, beyond those of pictures.
 const SUM_PLACES: u32 = 12;
 /// Contrasts at which the correction begins and is complete.
@@ -313,7 +315,7 @@ impl FixedRefinement {
         let near = lights().filter(|&(r, c, _)| is_near(r, c));
         let near = rounded(near.map(|(r, c, y)| y << (2 - r.abs() - c.abs())).sum(), 4);
         let light = i64::from(own[1]).max(near >> 1).max(mean >> (BINOMIAL_PLACES + 2));
-        let total = y.max((self.dark * weights) >> sum_places);
+        let total = y.max((self.dark * weights) >> sum_places).max(x / MOST_OF_Y[0]).max(z / MOST_OF_Y[1]);
         let goal = [x.max(0) * light / total, light, z.max(0) * light / total];
         std::array::from_fn(|p| {
             let (own, goal) = (i64::from(own[p]), i64::from(saturated(goal[p])));

@@ -19,7 +19,9 @@ const LIGHT: [f32; 1 + REACH] = [1.0, 1.0, 1.0, 0.5, 0.25];
 const DARKNESS: [f32; 1 + REACH] = [1.0, 1.0, 1.0, 2.0, 4.0];
 /// The contrast at which the correction begins, and the contrast at which it is complete.
 pub(super) const CONTRASTS: [f32; 2] = [16.0, 32.0];
-/// The least headroom that the weight of a pixel in the mean colour is the fourth power of.
+/// The greatest ratios of X and Z of the mean colour to its Y. Red light of 700 nm has 2.8, blue light of 470 nm 14.
+pub(super) const MOST: [f32; 2] = [3.0, 16.0];
+/// The least headroom. Its fourth power is the weight of a pixel in the mean colour.
 const LEAST_HEADROOM: f32 = 0.25;
 /// Binomial weights of the mean Y by distance; those of the nine pixels of a line sum to 1.
 const WEIGHTS: [f32; 1 + REACH] = [70.0 / 256.0, 56.0 / 256.0, 28.0 / 256.0, 8.0 / 256.0, 1.0 / 256.0];
@@ -108,8 +110,8 @@ fn weighted(lines: [&Vector; SIDE]) -> Vector {
     means
 }
 
-/// Sums of weights, and of X, Y and Z times weights. The weight of a pixel is the fourth power of its headroom: of 1 less the largest of its X, Y and Z,
-/// because a channel saturates at about 1.
+/// Sums of weights, and of X, Y and Z times weights. The weight of a pixel is the fourth power of its headroom, which is 1 less the largest of 0 and its
+/// X, Y and Z, because a channel saturates at about 1, but at least [`LEAST_HEADROOM`].
 #[inline(always)]
 fn by_headroom([x, y, z]: [[&Vector; SIDE]; 3]) -> [Vector; 4] {
     let mut sums = [[0.0; LANES]; 4];
@@ -252,7 +254,9 @@ impl<'a> Row<'a> {
             for (i, col) in here.enumerate() {
                 let least = greater(LEAST[0] * near[i], LEAST[1] * around[i]);
                 let light = greater(y[col], least);
-                let factor = light / greater(sum_y[i], self.dark * weights[i]);
+                // Negative Y may cancel what a mean has of light.
+                let of_color = greater(sum_x[i] * (1.0 / MOST[0]), sum_z[i] * (1.0 / MOST[1]));
+                let factor = light / greater(greater(sum_y[i], self.dark * weights[i]), of_color);
                 let goal = [greater(sum_x[i], 0.0) * factor, light, greater(sum_z[i], 0.0) * factor];
                 if shares[i] > 0.0 {
                     for (own, goal) in [&mut x[col], &mut y[col], &mut z[col]].into_iter().zip(goal) {

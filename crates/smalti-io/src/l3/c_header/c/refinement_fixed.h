@@ -173,7 +173,7 @@ static inline void @p@_refined_pixel(const @p@_picture pictures[@P@_PICTURES], i
 }
 
 /* A pixel of the refined picture. Beside light that is many times as bright it has the mean colour of the light around it,
-   in which light near saturation counts less, at least half of the mean Y of its neighbours and at least a quarter of the mean
+   in which light near saturation counts less and X and Z are at most 3 and 16 times Y, at least half of the mean Y of its neighbours and at least a quarter of the mean
    Y around it. */
 static inline void @p@_corrected(const @p@_picture *p, int32_t row, int32_t col, int32_t out[3])
 {
@@ -201,12 +201,12 @@ static inline void @p@_corrected(const @p@_picture *p, int32_t row, int32_t col,
     for (r = -4; r <= 4; r++)
         for (c = -4; c <= 4; c++) {
             const int32_t down = r < 0 ? -r : r, right = c < 0 ? -c : c;
-            int64_t headroom = 1 << 20;
+            int64_t headroom = (int64_t)1 << 20;
             for (plane = 0; plane < 3; plane++) {
                 const int64_t rest = ((int64_t)1 << 20) - @p@_at(p, plane, row + r, col + c);
                 headroom = rest < headroom ? rest : headroom;
             }
-            headroom = headroom > 1 << 18 ? headroom : 1 << 18;
+            headroom = headroom > (int64_t)1 << 18 ? headroom : (int64_t)1 << 18;
             headroom = (headroom * headroom) >> 20;
             headroom = (headroom * headroom) >> 20;
             for (plane = 0; plane < 3; plane++)
@@ -224,6 +224,8 @@ static inline void @p@_corrected(const @p@_picture *p, int32_t row, int32_t col,
     light = out[1] > light ? out[1] : light;
     total = (@P@_DARK * sums[3]) >> 8;
     total = sums[1] > total ? sums[1] : total;
+    total = sums[0] / 3 > total ? sums[0] / 3 : total;
+    total = sums[2] / 16 > total ? sums[2] / 16 : total;
     for (plane = 0; plane < 3; plane++)
         goal[plane] = @p@_saturated((sums[plane] > 0 ? sums[plane] : 0) * light / total);
     goal[1] = light;

@@ -139,14 +139,14 @@ static inline float @p@_weighted(const float v[9])
 }
 
 /* A pixel of the refined picture. Beside light that is many times as bright it has the mean colour of the light around it,
-   in which light near saturation counts less, at least half of the mean Y of its neighbours and at least a quarter of the mean
+   in which light near saturation counts less and X and Z are at most 3 and 16 times Y, at least half of the mean Y of its neighbours and at least a quarter of the mean
    Y around it. */
 static inline void @p@_corrected(const @p@_picture *p, int32_t row, int32_t col, float out[3])
 {
     /* Weights of light and factors of dark pixels in the contrast, by distance. */
     static const float lights[5] = { 1.0f, 1.0f, 1.0f, 0.5f, 0.25f };
     static const float darks[5] = { 1.0f, 1.0f, 1.0f, 2.0f, 4.0f };
-    float brightest = 0.0f, darkest = 0.0f, sums[4], lines[9], columns[9], around, nearby, light, share, factor;
+    float brightest = 0.0f, darkest = 0.0f, sums[4] = { 0.0f }, lines[9], columns[9], around, nearby, light, share, factor;
     int32_t r, c, plane;
     for (r = -4; r <= 4; r++)
         for (c = -4; c <= 4; c++) {
@@ -180,7 +180,7 @@ static inline void @p@_corrected(const @p@_picture *p, int32_t row, int32_t col,
         }
         columns[c + 4] = @p@_weighted(lines);
         for (plane = 0; plane < 4; plane++)
-            sums[plane] = c == -4 ? of_column[plane] : sums[plane] + of_column[plane];
+            sums[plane] += of_column[plane];
     }
     around = @p@_weighted(columns);
     for (c = -1; c <= 1; c++)
@@ -189,7 +189,10 @@ static inline void @p@_corrected(const @p@_picture *p, int32_t row, int32_t col,
     nearby = (columns[0] + columns[2] + 2.0f * columns[1]) * 0.25f;
     light = 0.25f * around > 0.5f * nearby ? 0.25f * around : 0.5f * nearby;
     light = out[1] > light ? out[1] : light;
-    factor = light / (sums[1] < @P@_DARK * sums[3] ? @P@_DARK * sums[3] : sums[1]);
+    factor = sums[1] < @P@_DARK * sums[3] ? @P@_DARK * sums[3] : sums[1];
+    factor = sums[0] * (1.0f / 3.0f) > factor ? sums[0] * (1.0f / 3.0f) : factor;
+    factor = sums[2] * (1.0f / 16.0f) > factor ? sums[2] * (1.0f / 16.0f) : factor;
+    factor = light / factor;
     for (plane = 0; plane < 3; plane++) {
         const float goal = plane == 1 ? light : (sums[plane] < 0.0f ? 0.0f : sums[plane]) * factor;
         out[plane] += share * (goal - out[plane]);
