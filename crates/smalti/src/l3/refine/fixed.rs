@@ -33,9 +33,8 @@ const MAX_SHIFT: u8 = 24;
 const TENT: [i64; 5] = [1, 2, 3, 2, 1];
 /// The tangent of 22.5° in 2⁻¹⁵.
 const TANGENT: i64 = 13_573;
-/// Right shifts of Y and left shifts of Y and noise in the contrast, by distance along a row or a column.
-const LIGHT: [u32; 1 + highlights::REACH] = [0, 0, 0, 1, 2];
-const DARKNESS: [u32; 1 + highlights::REACH] = [0, 0, 0, 1, 2];
+/// Right shifts of Y, and left shifts of Y and noise, in the contrast, by distance along a row or a column.
+const FALL: [u32; 1 + highlights::REACH] = [0, 0, 0, 1, 2];
 /// Weights of the mean Y by distance; those of a line sum to 2⁸, those of 9 × 9 pixels to 2¹⁶.
 const BINOMIAL: [i64; 1 + highlights::REACH] = [70, 56, 28, 8, 1];
 const BINOMIAL_PLACES: u32 = 16;
@@ -282,17 +281,13 @@ impl FixedRefinement {
     /// A pixel of the refined picture, corrected beside light that is many times as bright.
     fn corrected(&self, refined: &Whole, row: isize, col: isize) -> [i32; OUTPUTS] {
         let (own, reach) = (refined.at(row, col), highlights::REACH as isize);
-        let around = |plane: usize| {
-            let at = move |r: isize, c: isize| i64::from(refined.at(row + r, col + c)[plane]);
-            (-reach..=reach).flat_map(move |r| (-reach..=reach).map(move |c| (r, c, at(r, c))))
-        };
-        let shift = |of: &[u32; 1 + highlights::REACH], r: isize, c: isize| {
-            of[r.unsigned_abs()] + of[c.unsigned_abs()]
-        };
+        let at = |r: isize, c: isize| refined.at(row + r, col + c);
+        let around = || (-reach..=reach).flat_map(move |r| (-reach..=reach).map(move |c| (r, c)));
+        let shift = |r: isize, c: isize| FALL[r.unsigned_abs()] + FALL[c.unsigned_abs()];
         // Of Y, where negative values count as 0.
-        let lights = || around(1).map(|(r, c, y)| (r, c, y.max(0)));
-        let brightest = lights().map(|(r, c, y)| y >> shift(&LIGHT, r, c)).max().unwrap_or(0);
-        let dark = |(r, c, y): (isize, isize, i64)| (y + self.dark) << shift(&DARKNESS, r, c);
+        let lights = || around().map(|(r, c)| (r, c, i64::from(at(r, c)[1].max(0))));
+        let brightest = lights().map(|(r, c, y)| y >> shift(r, c)).max().unwrap_or(0);
+        let dark = |(r, c, y): (isize, isize, i64)| (y + self.dark) << shift(r, c);
         let darkest = lights().map(dark).min().unwrap_or(1);
         let beyond = brightest - FROM * darkest;
         if beyond <= 0 {
@@ -301,16 +296,18 @@ impl FixedRefinement {
         let share = ((beyond << SHARE_PLACES) / ((TO - FROM) * darkest)).min(1 << SHARE_PLACES);
         let binomial = |r: isize, c: isize| BINOMIAL[r.unsigned_abs()] * BINOMIAL[c.unsigned_abs()];
         let mean: i64 = lights().map(|(r, c, y)| binomial(r, c) * y).sum();
-        let weight = |r: isize, c: isize| {
-            let most = refined.at(row + r, col + c).into_iter().fold(0, i32::max);
+        let (mut sums, mut weights) = ([0i64; OUTPUTS], 0i64);
+        for (r, c) in around() {
+            let color = at(r, c);
+            let most = color.into_iter().fold(0, i32::max);
             let headroom = i64::from(((1 << PLACES) - most).max(1 << (PLACES - 2)));
             let squared = (headroom * headroom) >> PLACES;
-            (squared * squared) >> PLACES
-        };
+            let weight = (squared * squared) >> PLACES;
+            sums.iter_mut().zip(color).for_each(|(sum, v)| *sum += weight * i64::from(v));
+            weights += weight;
+        }
         let sum_places = PLACES - SUM_PLACES;
-        let sum = |plane| rounded(around(plane).map(|(r, c, v)| weight(r, c) * v).sum(), sum_places);
-        let [x, y, z] = [0, 1, 2].map(sum);
-        let weights = around(1).map(|(r, c, _)| weight(r, c)).sum::<i64>();
+        let [x, y, z] = sums.map(|sum| rounded(sum, sum_places));
         let is_near = |r: isize, c: isize| r.abs() <= 1 && c.abs() <= 1;
         let near = lights().filter(|&(r, c, _)| is_near(r, c));
         let near = rounded(near.map(|(r, c, y)| y << (2 - r.abs() - c.abs())).sum(), 4);

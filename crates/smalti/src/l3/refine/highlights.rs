@@ -13,10 +13,9 @@ use crate::numeric::simd::{Kernel, dispatch};
 /// Distance of the farthest row and column on which a pixel depends.
 pub(super) const REACH: usize = 4;
 const SIDE: usize = 2 * REACH + 1;
-/// Weights of light in the contrast by distance along a row or a column; in both directions they are multiplied.
-const LIGHT: [f32; 1 + REACH] = [1.0, 1.0, 1.0, 0.5, 0.25];
-/// Factors of the Y of dark pixels in the contrast by distance.
-const DARKNESS: [f32; 1 + REACH] = [1.0, 1.0, 1.0, 2.0, 4.0];
+/// Weights of light in the contrast by distance along a row or a column; in both directions they are multiplied. The Y of dark pixels is divided by
+/// them. They are powers of 2, so that this is exact.
+const FALL: [f32; 1 + REACH] = [1.0, 1.0, 1.0, 0.5, 0.25];
 /// The contrast at which the correction begins, and the contrast at which it is complete.
 pub(super) const CONTRASTS: [f32; 2] = [16.0, 32.0];
 /// The greatest ratios of X and Z of the mean colour to its Y. Red light of 700 nm has 2.8, blue light of 470 nm 14.
@@ -87,9 +86,9 @@ impl Extremes {
         for at in 0..SIDE {
             let far = at.abs_diff(REACH);
             for i in 0..LANES {
-                all.brightest[i] = greater(all.brightest[i], light[at][i] * LIGHT[far]);
+                all.brightest[i] = greater(all.brightest[i], light[at][i] * FALL[far]);
                 all.darkest[i] =
-                    lesser(all.darkest[i], (greater(0.0, darkness[at][i]) + dark) * DARKNESS[far]);
+                    lesser(all.darkest[i], (greater(0.0, darkness[at][i]) + dark) * (1.0 / FALL[far]));
             }
         }
         all

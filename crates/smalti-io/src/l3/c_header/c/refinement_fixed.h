@@ -173,12 +173,12 @@ static inline void @p@_refined_pixel(const @p@_picture pictures[@P@_PICTURES], i
 }
 
 /* A pixel of the refined picture. Beside light that is many times as bright it has the mean colour of the light around it,
-   in which light near saturation counts less and X and Z are at most 3 and 16 times Y, at least half of the mean Y of its neighbours and at least a quarter of the mean
-   Y around it. */
+   in which light near saturation counts less and X and Z are at most 3 and 16 times Y, at least half of the mean Y of its
+   neighbours and at least a quarter of the mean Y around it. */
 static inline void @p@_corrected(const @p@_picture *p, int32_t row, int32_t col, int32_t out[3])
 {
     /* By distance: right shifts of Y, and left shifts of Y and noise, in the contrast. */
-    static const int8_t light_bits[5] = { 0, 0, 0, 1, 2 }, dark_bits[5] = { 0, 0, 0, 1, 2 };
+    static const int8_t falls[5] = { 0, 0, 0, 1, 2 };
     /* Weights of the mean Y, by distance; those of a line sum to 256. */
     static const int8_t weights[5] = { 70, 56, 28, 8, 1 };
     int64_t brightest = 0, darkest = INT64_MAX, sums[4] = { 0, 0, 0, 0 }, around = 0, nearby = 0, share, light, total, goal[3];
@@ -186,8 +186,8 @@ static inline void @p@_corrected(const @p@_picture *p, int32_t row, int32_t col,
     for (r = -4; r <= 4; r++)
         for (c = -4; c <= 4; c++) {
             const int32_t down = r < 0 ? -r : r, right = c < 0 ? -c : c;
-            const int64_t y = @p@_light(p, row + r, col + c), lit = y >> (light_bits[down] + light_bits[right]);
-            const int64_t dark = (y + @P@_DARK) << (dark_bits[down] + dark_bits[right]);
+            const int32_t fall = falls[down] + falls[right];
+            const int64_t y = @p@_light(p, row + r, col + c), lit = y >> fall, dark = (y + @P@_DARK) << fall;
             brightest = lit > brightest ? lit : brightest;
             darkest = dark < darkest ? dark : darkest;
         }

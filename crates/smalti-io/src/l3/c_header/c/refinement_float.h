@@ -139,20 +139,19 @@ static inline float @p@_weighted(const float v[9])
 }
 
 /* A pixel of the refined picture. Beside light that is many times as bright it has the mean colour of the light around it,
-   in which light near saturation counts less and X and Z are at most 3 and 16 times Y, at least half of the mean Y of its neighbours and at least a quarter of the mean
-   Y around it. */
+   in which light near saturation counts less and X and Z are at most 3 and 16 times Y, at least half of the mean Y of its
+   neighbours and at least a quarter of the mean Y around it. */
 static inline void @p@_corrected(const @p@_picture *p, int32_t row, int32_t col, float out[3])
 {
-    /* Weights of light and factors of dark pixels in the contrast, by distance. */
-    static const float lights[5] = { 1.0f, 1.0f, 1.0f, 0.5f, 0.25f };
-    static const float darks[5] = { 1.0f, 1.0f, 1.0f, 2.0f, 4.0f };
+    /* Weights of light in the contrast, by distance. The Y of dark pixels is divided by them. */
+    static const float falls[5] = { 1.0f, 1.0f, 1.0f, 0.5f, 0.25f };
     float brightest = 0.0f, darkest = 0.0f, sums[4] = { 0.0f }, lines[9], columns[9], around, nearby, light, share, factor;
     int32_t r, c, plane;
     for (r = -4; r <= 4; r++)
         for (c = -4; c <= 4; c++) {
             const int32_t down = r < 0 ? -r : r, right = c < 0 ? -c : c;
-            const float y = @p@_light(p, row + r, col + c), lit = y * lights[down] * lights[right];
-            const float dark = (y + @P@_DARK) * darks[down] * darks[right];
+            const float fall = falls[down] * falls[right];
+            const float y = @p@_light(p, row + r, col + c), lit = y * fall, dark = (y + @P@_DARK) / fall;
             brightest = lit > brightest ? lit : brightest;
             darkest = (r == -4 && c == -4) || dark < darkest ? dark : darkest;
         }
