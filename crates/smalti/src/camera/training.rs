@@ -28,6 +28,8 @@ pub(crate) const HIGHEST_CUT: f64 = 0.85;
 /// The widest margin around a scene in training, relative to its size. With dark surroundings, light that a lens spreads farther than the
 /// margins of both sides together comes back in on the other side; docs/l3.md states how little that changes.
 const WIDEST_MARGIN: f64 = 1.0 / 16.0;
+/// Relative difference by which rounding may change a ratio of lengths.
+const ROUNDED: f64 = 1e-6;
 /// Levels of the second stage.
 const REFINEMENT_LEVELS: usize = 12;
 
@@ -313,6 +315,16 @@ impl Camera {
         let mut camera = self.with_size(window.rows, window.cols);
         camera.sensor.window = None;
         Ok(camera)
+    }
+
+    /// Whether the photodiodes of this camera cover two by two samples of a scene each, all of them, so that they collect the same light from
+    /// the means of these samples ([`Optics::halved_image_of_scene`]).
+    pub(crate) fn covers_pairs_of(&self, scene: &Scene) -> Result<bool, CameraError> {
+        let (camera, radiance) = (self.with_scene_size(scene)?, scene.radiance());
+        let (sensor, geometry) = (camera.sensor.unbinned(), self.optics.geometry(scene.distance_m())?);
+        let spacing_m = geometry.sample_spacing_m(scene.horizontal_fov_deg(), radiance.cols());
+        let is_twice = (sensor.pixel.pitch_m / (2.0 * spacing_m) - 1.0).abs() < ROUNDED;
+        Ok(is_twice && [2 * sensor.rows, 2 * sensor.cols] == [radiance.rows(), radiance.cols()])
     }
 
     /// The lens of this camera, with at most a narrow margin around a scene.

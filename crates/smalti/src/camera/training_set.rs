@@ -9,7 +9,7 @@ use crate::spectrum::{Illuminant, Observer, Spectrum, WavelengthGrid, reflectanc
 
 /// Revision of the default training set of the first stage. It increases when the scenes, their optical images or their parts that are
 /// learned from change, so that cached statistics are not reused. That of the second stage is part of [`REFINEMENT_REVISION`](crate::l3::REFINEMENT_REVISION).
-pub const TRAINING_SET_REVISION: u32 = 5;
+pub const TRAINING_SET_REVISION: u32 = 6;
 
 /// The illuminant of training where none is given.
 pub const DEFAULT_TRAINING_LIGHT: Illuminant = Illuminant::D65;

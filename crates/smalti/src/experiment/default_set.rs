@@ -79,6 +79,15 @@ impl<'a, L> Gathering<'a, L> {
     }
 }
 
+/// A scene and its optical images, which cameras share unless each makes its own.
+struct ImagedScene {
+    scene: Scene,
+    /// For cameras whose photodiodes cover two by two samples.
+    halved: Option<OpticalImage>,
+    /// For the others.
+    whole: Option<OpticalImage>,
+}
+
 /// A training whose turn comes later, and where the light of the scenes is kept for it.
 pub(super) struct Later<'a> {
     pub(super) of: &'a DefaultTraining,
@@ -150,12 +159,13 @@ impl<L: Learner> Group<'_, L> {
         resources: Resources<'_>,
     ) -> Result<(), ExperimentError> {
         let (first, progress, stored) = (self.first, resources.progress, resources.training_scenes);
-        let needs_images = !self.later.is_empty() || self.now.iter().any(|g| g.lit.is_empty());
+        let dark = self.now.iter().filter(|g| g.lit.is_empty()).map(|g| g.of);
+        let waiting: Vec<&DefaultTraining> = dark.chain(self.later.iter().map(|l| l.of)).collect();
         let reflectances =
             SurfaceReflectances::new(first.camera.grid()).in_context(|| first.label.clone())?;
         let optics = first.camera.training_optics();
         let imaged = |scene: &TrainingScene| -> Result<_, ExperimentError> {
-            if !needs_images {
+            if waiting.is_empty() {
                 return Ok(None);
             }
             ensure_running(progress)?;
@@ -163,9 +173,18 @@ impl<L: Learner> Group<'_, L> {
             let context = || format!("scene {}", scene.content);
             let built = scene.build(&first.camera, &reflectances, stored).in_context(context);
             let built = built.map_err(failed)?;
-            let shared = || optics.image_of_scene(&built).in_context(context).map_err(failed);
-            let image = (!settings.has_own_images()).then(shared).transpose()?;
-            Ok(Some((built, image)))
+            let (mut is_halved, mut is_whole) = (false, false);
+            for of in waiting.iter().filter(|_| !settings.has_own_images()) {
+                let covers_pairs = of.camera.covers_pairs_of(&built).in_context(context);
+                let covers_pairs = covers_pairs.map_err(|e: ExperimentError| e.of_camera(&of.label))?;
+                is_halved |= covers_pairs;
+                is_whole |= !covers_pairs;
+            }
+            let halved = || optics.halved_image_of_scene(&built).in_context(context).map_err(failed);
+            let halved = is_halved.then(halved).transpose()?;
+            let whole = || optics.image_of_scene(&built).in_context(context).map_err(failed);
+            let whole = is_whole.then(whole).transpose()?;
+            Ok(Some(ImagedScene { scene: built, halved, whole }))
         };
         let of = match self.now.len() {
             1 => first.label.clone(),
@@ -188,20 +207,20 @@ impl<L: Learner> Group<'_, L> {
         Ok(())
     }
 
-    /// Adds a scene to what all trainings learn. `ready` is the scene, built under the light of the set's scene, and its shared optical
-    /// image, or `None` if each camera makes its own; it is needed unless all have the light of the scene.
+    /// Adds a scene to what all trainings learn. `ready` is the scene, built under the light of the set's scene, or `None` if all have
+    /// the light of the scene.
     fn add_scene(
         &mut self,
         (scene, number): (&TrainingScene, u64),
-        ready: Option<&(Scene, Option<OpticalImage>)>,
+        ready: Option<&ImagedScene>,
         settings: &TrainingSettings,
     ) -> Result<(), ExperimentError> {
         let failed = |e: CameraError, of: &DefaultTraining| {
             ExperimentError::stage(format!("scene {}", scene.content), e).of_camera(&of.label)
         };
         let item = scene.item(number);
-        match ready {
-            Some((built, None)) => {
+        if let Some(ImagedScene { scene: built, halved, whole }) = ready {
+            if settings.has_own_images() {
                 return self.now.par_iter_mut().try_for_each(|g| {
                     let light = g.of.light_instead_of(&scene.light);
                     let relit = light.map(|light| built.clone().relit(light)).transpose();
@@ -211,16 +230,19 @@ impl<L: Learner> Group<'_, L> {
                     added.map_err(|e| failed(e, g.of))
                 });
             }
-            Some((built, Some(image))) => {
-                let dark = self.now.iter_mut().filter(|g| g.lit.is_empty()).map(|g| (g.of, &mut g.lit));
-                let later = self.later.iter_mut().map(|l| (l.of, &mut *l.lit));
-                let (trainings, lit): (Vec<&DefaultTraining>, Vec<&mut LitScenes>) =
-                    dark.chain(later).unzip();
-                let stand = |of: &&DefaultTraining| {
-                    let stand = of.camera.stand(built, of.light_instead_of(&scene.light), settings);
-                    stand.map_err(|e| failed(e, of))
-                };
-                let stands = trainings.iter().map(stand).collect::<Result<Vec<_>, _>>()?;
+            let dark = self.now.iter_mut().filter(|g| g.lit.is_empty()).map(|g| (g.of, &mut g.lit));
+            let later = self.later.iter_mut().map(|l| (l.of, &mut *l.lit));
+            let mut waiting: Vec<(&DefaultTraining, &mut LitScenes)> = dark.chain(later).collect();
+            for (image, of_pairs) in [(halved, true), (whole, false)] {
+                let Some(image) = image else { continue };
+                let (mut stands, mut lit) = (Vec::new(), Vec::new());
+                for (of, its) in &mut waiting {
+                    if of.camera.covers_pairs_of(built).map_err(|e| failed(e, of))? == of_pairs {
+                        let stand = of.camera.stand(built, of.light_instead_of(&scene.light), settings);
+                        stands.push(stand.map_err(|e| failed(e, of))?);
+                        lit.push(its);
+                    }
+                }
                 let sensors: Vec<_> = stands.iter().map(Stand::sensors).collect();
                 let rates =
                     ElectronRates::of_all(&sensors, image).map_err(|e| failed(e.into(), self.first))?;
@@ -228,7 +250,6 @@ impl<L: Learner> Group<'_, L> {
                     lit.push_back(Lit { stand, rates });
                 }
             }
-            None => {}
         }
         // One camera draws its noise in parallel, and need not keep it.
         let noise = (self.now.len() > 1).then(SceneNoise::new);
@@ -247,8 +268,8 @@ mod tests {
     use crate::l3::Statistics;
     use crate::spectrum::WavelengthGrid;
 
-    /// Statistics of a scene that is relit from another light are those of the scene built under the light, up to rounding: noise
-    /// changes the class of some patches.
+    /// Statistics of a scene that is relit from another light are those of the scene built under the light, and those of its image with all
+    /// samples, up to rounding: noise changes the class of some patches.
     #[test]
     fn a_relit_scene_gives_the_statistics_of_its_light() {
         let camera = Camera::new(CameraDescription::default(), WavelengthGrid::VISIBLE).unwrap();
@@ -265,21 +286,28 @@ mod tests {
             let mut statistics = camera.training_statistics(&settings, &spectrum).unwrap();
             let (built_under, lit) = (&scene.light, LitScenes::new());
             let now = vec![Gathering::new(&of, built_under, &mut statistics, lit)];
-            let image = camera.training_optics().image_of_scene(&built).unwrap();
+            let halved = Some(camera.training_optics().halved_image_of_scene(&built).unwrap());
             let mut group = Group { first: &of, built_under, now, later: Vec::new() };
-            group.add_scene((scene, 7), Some(&(built, Some(image))), &settings).unwrap();
+            let imaged = ImagedScene { scene: built, halved, whole: None };
+            group.add_scene((scene, 7), Some(&imaged), &settings).unwrap();
             statistics
         };
         let (direct, relit) = (statistics(&a), statistics(&d65));
-        assert_eq!(direct.count(), relit.count());
+        let built = under(&Illuminant::A).build(&camera, &reflectances, &NoStoredScenes).unwrap();
+        let spectrum = Illuminant::A.photons(camera.grid()).unwrap();
+        let mut whole = camera.training_statistics(&settings, &spectrum).unwrap();
+        camera.train_on(&mut whole, &built, &settings, under(&Illuminant::A).item(7)).unwrap();
+        assert_eq!((direct.count(), direct.count()), (relit.count(), whole.count()));
         let mean = |s: &Statistics, of: usize| {
             let all = s.classes().values();
             all.map(|m| m.get(0, of)).sum::<f64>() / s.count() as f64
         };
         // 1, the patch of 25 samples, then X, Y, Z.
         for of in [1, 13, 25, 26, 27, 28] {
-            let (direct, relit) = (mean(&direct, of), mean(&relit, of));
-            assert!((direct / relit - 1.0).abs() < 1e-5, "{of}: {direct} and {relit}");
+            let direct = mean(&direct, of);
+            for other in [mean(&relit, of), mean(&whole, of)] {
+                assert!((direct / other - 1.0).abs() < 1e-5, "{of}: {direct} and {other}");
+            }
         }
         let white = |s: &Statistics| s.white();
         assert_eq!(white(&direct), white(&relit));

@@ -20,7 +20,7 @@ use super::transpose::{TILE, transpose};
 pub use rustfft::num_complex::Complex32;
 
 /// Number of tasks that one pass is split into; also the maximum number of threads that work on one plane.
-const TASKS: usize = 16;
+pub(super) const TASKS: usize = 16;
 
 /// Errors of a transform.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
@@ -77,6 +77,35 @@ pub fn bin_frequency(k: usize, len: usize) -> f64 {
     if k <= len / 2 { k as f64 / len as f64 } else { -((len - k.min(len)) as f64 / len as f64) }
 }
 
+/// A planned filter in the frequency domain for planes of one size.
+pub trait PlaneFilter: Sync {
+    /// Memory for one filter at a time.
+    type Workspace;
+
+    /// Allocates the memory. Each plane that is processed concurrently needs its own.
+    #[must_use]
+    fn workspace(&self) -> Self::Workspace;
+
+    /// Filters a plane without allocating memory beyond `work`.
+    ///
+    /// `fill(r, row)` writes input row `r` (all columns of the plane). `transfer(kx, column)` modifies the spectrum
+    /// at horizontal bin `kx` in place, one value per vertical bin. `finish` converts the upper left
+    /// `out.len() / out_cols` rows × `out_cols` columns of the result into `out`. Horizontal bins from
+    /// `passing` on are taken to be zero and are skipped.
+    ///
+    /// # Errors
+    /// When `work` was made for another size, or `out` is not a window of the result.
+    fn filter(
+        &self,
+        work: &mut Self::Workspace,
+        fill: impl Fn(usize, &mut [f32]) + Sync,
+        passing: usize,
+        transfer: impl Fn(usize, &mut [Complex32]) + Sync,
+        out: (&mut [f32], usize),
+        finish: impl Fn(f32) -> f32 + Sync,
+    ) -> Result<(), FftError>;
+}
+
 /// A planned transform for planes of one size. Plan it once; use it for many planes from any thread.
 #[derive(Clone)]
 pub struct RealFft2 {
@@ -84,23 +113,23 @@ pub struct RealFft2 {
     cols: usize,
     row_forward: Arc<dyn RealToComplex<f32>>,
     row_inverse: Arc<dyn ComplexToReal<f32>>,
-    col_forward: Arc<dyn Fft<f32>>,
-    col_inverse: Arc<dyn Fft<f32>>,
+    pub(super) col_forward: Arc<dyn Fft<f32>>,
+    pub(super) col_inverse: Arc<dyn Fft<f32>>,
 }
 
-/// Memory for one transform at a time, about three times the size of the plane. See [`RealFft2::workspace`].
+/// Memory for one transform at a time, about three times the size of the plane.
 pub struct Workspace {
     /// Half spectrum of the rows, row-major.
     by_row: Vec<Complex32>,
     /// Half spectrum of the plane, transposed.
-    by_col: Vec<Complex32>,
-    tasks: Vec<TaskScratch>,
+    pub(super) by_col: Vec<Complex32>,
+    pub(super) tasks: Vec<TaskScratch>,
 }
 
-struct TaskScratch {
+pub(super) struct TaskScratch {
     real: Vec<f32>,
     tile: Vec<Complex32>,
-    fft: Vec<Complex32>,
+    pub(super) fft: Vec<Complex32>,
 }
 
 impl std::fmt::Debug for RealFft2 {
@@ -150,30 +179,6 @@ impl RealFft2 {
         self.cols / 2 + 1
     }
 
-    /// Allocates the memory for a transform. Each plane that is processed concurrently needs its own.
-    #[must_use]
-    pub fn workspace(&self) -> Workspace {
-        let zero = Complex32::default();
-        let half = self.half_cols();
-        let fft = [
-            self.row_forward.get_scratch_len(),
-            self.row_inverse.get_scratch_len(),
-            self.col_forward.get_inplace_scratch_len(),
-            self.col_inverse.get_inplace_scratch_len(),
-        ];
-        let fft = fft.into_iter().max().unwrap_or(0);
-        let task = || TaskScratch {
-            real: vec![0.0; self.cols],
-            tile: vec![zero; TILE * half],
-            fft: vec![zero; fft],
-        };
-        Workspace {
-            by_row: vec![zero; half * self.rows],
-            by_col: vec![zero; half * self.rows],
-            tasks: (0..TASKS).map(|_| task()).collect(),
-        }
-    }
-
     /// The spectrum of a row-major plane.
     ///
     /// # Errors
@@ -200,51 +205,25 @@ impl RealFft2 {
         Ok(plane)
     }
 
-    /// Filters a plane in the frequency domain without allocating memory beyond `work`.
-    ///
-    /// `fill(r, row)` writes input row `r` (all `cols` values). `transfer(kx, column)` modifies the spectrum
-    /// at horizontal bin `kx` in place, one value per vertical bin. `finish` converts the upper left
-    /// `out.len() / out_cols` rows × `out_cols` columns of the result into `out`. Horizontal bins from
-    /// `passing` on are taken to be zero and are skipped.
-    ///
-    /// # Errors
-    /// When `work` was made for another size, or `out` is not a window of the plane.
-    pub fn filter(
-        &self,
-        work: &mut Workspace,
-        fill: impl Fn(usize, &mut [f32]) + Sync,
-        passing: usize,
-        transfer: impl Fn(usize, &mut [Complex32]) + Sync,
-        (out, out_cols): (&mut [f32], usize),
-        finish: impl Fn(f32) -> f32 + Sync,
-    ) -> Result<(), FftError> {
+    /// An error unless a workspace was made for this size.
+    pub(super) fn check_workspace(&self, work: &Workspace) -> Result<(), FftError> {
         check("the workspace", self.rows * self.half_cols(), work.by_col.len())?;
-        check(
-            "columns of the workspace",
-            self.half_cols() * TILE,
-            work.tasks.first().map_or(0, |t| t.tile.len()),
-        )?;
-        let window = out_cols.saturating_mul(self.rows);
-        let fits = (1..=self.cols).contains(&out_cols) && (1..=window).contains(&out.len());
-        if !fits || !out.len().is_multiple_of(out_cols) {
-            return Err(FftError::Length { what: "the output window", expected: window, got: out.len() });
+        let tile = work.tasks.first().map_or(0, |t| t.tile.len());
+        check("columns of the workspace", self.half_cols() * TILE, tile)
+    }
+
+    /// An error unless `len` values in rows of `cols` are a window of the plane.
+    pub(super) fn check_window(&self, len: usize, cols: usize) -> Result<(), FftError> {
+        let window = cols.saturating_mul(self.rows);
+        let fits = (1..=self.cols).contains(&cols) && (1..=window).contains(&len);
+        if fits && len.is_multiple_of(cols) {
+            return Ok(());
         }
-        self.forward_rows(work, fill);
-        self.columns(work, |kx, col, scratch| {
-            if kx >= passing {
-                col.fill(Complex32::default());
-                return;
-            }
-            self.col_forward.process_with_scratch(col, scratch);
-            transfer(kx, col);
-            self.col_inverse.process_with_scratch(col, scratch);
-        });
-        self.inverse_rows(work, out, out_cols, finish);
-        Ok(())
+        Err(FftError::Length { what: "the output window", expected: window, got: len })
     }
 
     /// Row transforms into `by_row`.
-    fn forward_rows(&self, work: &mut Workspace, fill: impl Fn(usize, &mut [f32]) + Sync) {
+    pub(super) fn forward_rows(&self, work: &mut Workspace, fill: impl Fn(usize, &mut [f32]) + Sync) {
         let half = self.half_cols();
         let per_task = self.rows.div_ceil(TASKS);
         work.by_row.par_chunks_mut(per_task * half).zip(&mut work.tasks).enumerate().for_each(
@@ -261,7 +240,7 @@ impl RealFft2 {
     }
 
     /// Transposes `by_row` into `by_col` and runs `work_on(kx, column, scratch)` on every column.
-    fn columns(
+    pub(super) fn columns(
         &self,
         work: &mut Workspace,
         work_on: impl Fn(usize, &mut [Complex32], &mut [Complex32]) + Sync,
@@ -284,7 +263,7 @@ impl RealFft2 {
     }
 
     /// Row transforms of `by_col` into the upper left window of the plane, `out_cols` wide.
-    fn inverse_rows(
+    pub(super) fn inverse_rows(
         &self,
         work: &mut Workspace,
         out: &mut [f32],
@@ -319,6 +298,57 @@ impl RealFft2 {
                 }
             },
         );
+    }
+}
+
+impl PlaneFilter for RealFft2 {
+    type Workspace = Workspace;
+
+    fn workspace(&self) -> Workspace {
+        let zero = Complex32::default();
+        let half = self.half_cols();
+        let fft = [
+            self.row_forward.get_scratch_len(),
+            self.row_inverse.get_scratch_len(),
+            self.col_forward.get_inplace_scratch_len(),
+            self.col_inverse.get_inplace_scratch_len(),
+        ];
+        let fft = fft.into_iter().max().unwrap_or(0);
+        let task = || TaskScratch {
+            real: vec![0.0; self.cols],
+            tile: vec![zero; TILE * half],
+            fft: vec![zero; fft],
+        };
+        Workspace {
+            by_row: vec![zero; half * self.rows],
+            by_col: vec![zero; half * self.rows],
+            tasks: (0..TASKS).map(|_| task()).collect(),
+        }
+    }
+
+    fn filter(
+        &self,
+        work: &mut Workspace,
+        fill: impl Fn(usize, &mut [f32]) + Sync,
+        passing: usize,
+        transfer: impl Fn(usize, &mut [Complex32]) + Sync,
+        (out, out_cols): (&mut [f32], usize),
+        finish: impl Fn(f32) -> f32 + Sync,
+    ) -> Result<(), FftError> {
+        self.check_workspace(work)?;
+        self.check_window(out.len(), out_cols)?;
+        self.forward_rows(work, fill);
+        self.columns(work, |kx, col, scratch| {
+            if kx >= passing {
+                col.fill(Complex32::default());
+                return;
+            }
+            self.col_forward.process_with_scratch(col, scratch);
+            transfer(kx, col);
+            self.col_inverse.process_with_scratch(col, scratch);
+        });
+        self.inverse_rows(work, out, out_cols, finish);
+        Ok(())
     }
 }
 

@@ -8,6 +8,7 @@ pub(crate) mod dense;
 pub mod elementary;
 pub mod fft;
 mod first_invalid;
+pub(crate) mod halving_filter;
 pub mod least_squares;
 pub(crate) mod mirror;
 pub mod normal;

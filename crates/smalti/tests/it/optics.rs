@@ -176,6 +176,40 @@ fn the_image_of_the_scene_is_the_middle_of_the_image() {
     }
 }
 
+/// An image of half the size has the means of two by two samples of the image of the scene, whatever surrounds it. Where such a sample is
+/// limited at 0, the mean may be less.
+#[test]
+fn the_halved_image_has_the_means_of_the_image_of_the_scene() {
+    for (name, optics) in all_models() {
+        for boundary in [Boundary::Dark, Boundary::Edge, Boundary::Mirror] {
+            let optics = Optics { padding: Padding { boundary, ..optics.padding }, ..optics.clone() };
+            let scene = scene(42, 56, 1e-6, blob);
+            let fine = optics.image_of_scene(&scene).unwrap();
+            let halved = optics.halved_image_of_scene(&scene).unwrap();
+            assert_eq!(halved.sample_spacing_m(), 2.0 * fine.sample_spacing_m());
+            let (fine, halved) = (fine.irradiance().planes(), halved.irradiance().planes());
+            assert_eq!((halved.rows(), halved.cols()), (21, 28), "{name}");
+            let largest = fine.data().iter().fold(0.0f32, |largest, v| largest.max(*v));
+            for (fine, halved) in fine.planes().zip(halved.planes()) {
+                for (i, v) in halved.iter().enumerate() {
+                    let first = 2 * (i / 28) * 56 + 2 * (i % 28);
+                    let four = [first, first + 1, first + 56, first + 57].map(|at| fine[at]);
+                    let excess = v - four.iter().sum::<f32>() / 4.0;
+                    let is_limited = four.contains(&0.0) && excess <= 0.0;
+                    assert!(
+                        excess.abs() <= 5e-6 * largest || is_limited,
+                        "{name}, {boundary:?}, {i}: {v} {four:?}"
+                    );
+                }
+            }
+        }
+    }
+    let (_, optics) = all_models().swap_remove(0);
+    for (rows, cols) in [(41, 56), (42, 55)] {
+        assert!(optics.halved_image_of_scene(&scene(rows, cols, 1e-6, blob)).is_err());
+    }
+}
+
 #[test]
 fn threads_do_not_change_a_bit() {
     let scene = scene(40, 56, 2e-6, |r, c| ((r * 31 + c * 17) % 23) as f32);

@@ -1,0 +1,257 @@
+//! Filters in the frequency domain whose result has half of the resolution: each sample is the mean of two by two samples of the filtered
+//! plane.
+//!
+//! With N samples in a line, the mean of a sample and the next one multiplies bin k of the spectrum by (1 + exp(2πik / N)) / 2. Taking every
+//! second mean folds the spectrum: bin k of the result is half of the sum of the bins k and k + N / 2. The inverse transform is a
+//! quarter as large as that of the whole plane.
+
+use rayon::prelude::*;
+
+use super::fft::{Complex32, FftError, PlaneFilter, RealFft2, TASKS, Workspace};
+use super::simd::{Kernel, dispatch};
+
+/// A planned filter for planes of one size with even sides.
+#[derive(Debug, Clone)]
+pub(crate) struct HalvingFilter {
+    fine: RealFft2,
+    coarse: RealFft2,
+    /// Factors of the bins of a column, and of those of a row.
+    down: Vec<Complex32>,
+    across: Vec<Complex32>,
+}
+
+/// Memory for one filter at a time.
+pub(crate) struct HalvingWorkspace {
+    fine: Workspace,
+    coarse: Workspace,
+}
+
+impl HalvingFilter {
+    /// Plans filters of `rows` × `cols` planes.
+    ///
+    /// # Errors
+    /// When a side is zero or odd, or the spectrum would not fit the address space.
+    pub(crate) fn new(rows: usize, cols: usize) -> Result<Self, FftError> {
+        if !rows.is_multiple_of(2) || !cols.is_multiple_of(2) {
+            return Err(FftError::Size { rows, cols });
+        }
+        let factors = |len: usize| {
+            let factor = |k: usize| {
+                let (sin, cos) = (std::f64::consts::TAU * k as f64 / len as f64).sin_cos();
+                Complex32::new(((1.0 + cos) / 4.0) as f32, (sin / 4.0) as f32)
+            };
+            (0..len).map(factor).collect()
+        };
+        let (fine, coarse) = (RealFft2::new(rows, cols)?, RealFft2::new(rows / 2, cols / 2)?);
+        Ok(Self { fine, coarse, down: factors(rows), across: factors(cols) })
+    }
+}
+
+impl PlaneFilter for HalvingFilter {
+    type Workspace = HalvingWorkspace;
+
+    fn workspace(&self) -> HalvingWorkspace {
+        HalvingWorkspace { fine: self.fine.workspace(), coarse: self.coarse.workspace() }
+    }
+
+    /// The plane is that of `fill`, `passing` and `transfer`; the result has half of its rows and columns.
+    fn filter(
+        &self,
+        work: &mut HalvingWorkspace,
+        fill: impl Fn(usize, &mut [f32]) + Sync,
+        passing: usize,
+        transfer: impl Fn(usize, &mut [Complex32]) + Sync,
+        (out, out_cols): (&mut [f32], usize),
+        finish: impl Fn(f32) -> f32 + Sync,
+    ) -> Result<(), FftError> {
+        let Self { fine, coarse, down, across } = self;
+        fine.check_workspace(&work.fine)?;
+        coarse.check_workspace(&work.coarse)?;
+        coarse.check_window(out.len(), out_cols)?;
+        fine.forward_rows(&mut work.fine, fill);
+        fine.columns(&mut work.fine, |kx, column, scratch| {
+            if kx < passing {
+                fine.col_forward.process_with_scratch(column, scratch);
+                transfer(kx, column);
+                dispatch(FoldDown { column, factors: down });
+            }
+        });
+        let (rows, cols) = (coarse.rows(), coarse.cols());
+        let by_col = &work.fine.by_col;
+        // The upper half of a spectrum of real numbers is that of the opposite bins, conjugated.
+        let folded = |kx: usize| (kx < passing).then(|| &by_col[kx * fine.rows()..][..rows]);
+        let per_task = coarse.half_cols().div_ceil(TASKS);
+        let columns = work.coarse.by_col.par_chunks_mut(per_task * rows).zip(&mut work.coarse.tasks);
+        columns.enumerate().for_each(|(task, (columns, scratch))| {
+            for (i, column) in columns.chunks_exact_mut(rows).enumerate() {
+                let kx = task * per_task + i;
+                column.fill(Complex32::ZERO);
+                if let Some(low) = folded(kx) {
+                    dispatch(AddLow { column, low, factor: across[kx] });
+                }
+                if let Some(high) = folded(cols - kx) {
+                    dispatch(AddHigh { column, high, factor: across[cols + kx] });
+                }
+                coarse.col_inverse.process_with_scratch(column, &mut scratch.fft);
+            }
+        });
+        coarse.inverse_rows(&mut work.coarse, out, out_cols, finish);
+        Ok(())
+    }
+}
+
+#[inline(always)]
+fn product(a: Complex32, b: Complex32) -> Complex32 {
+    Complex32::new(a.re * b.re - a.im * b.im, a.re * b.im + a.im * b.re)
+}
+
+#[inline(always)]
+fn sum(a: Complex32, b: Complex32) -> Complex32 {
+    Complex32::new(a.re + b.re, a.im + b.im)
+}
+
+/// Multiplies a column of the spectrum by factors and folds it into its first half.
+struct FoldDown<'a> {
+    column: &'a mut [Complex32],
+    factors: &'a [Complex32],
+}
+
+impl Kernel for FoldDown<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let half = self.column.len() / 2;
+        let (low, high) = self.column.split_at_mut(half);
+        let (of_low, of_high) = self.factors.split_at(half);
+        let factors = of_low.iter().zip(of_high);
+        for ((low, high), (of_low, of_high)) in low.iter_mut().zip(high).zip(factors) {
+            *low = sum(product(*low, *of_low), product(*high, *of_high));
+        }
+    }
+}
+
+/// Adds a folded column times a factor.
+struct AddLow<'a> {
+    column: &'a mut [Complex32],
+    low: &'a [Complex32],
+    factor: Complex32,
+}
+
+impl Kernel for AddLow<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        for (to, from) in self.column.iter_mut().zip(self.low) {
+            *to = sum(*to, product(*from, self.factor));
+        }
+    }
+}
+
+/// Adds the opposite bins of a folded column, conjugated, times a factor.
+struct AddHigh<'a> {
+    column: &'a mut [Complex32],
+    high: &'a [Complex32],
+    factor: Complex32,
+}
+
+impl Kernel for AddHigh<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { column, high, factor } = self;
+        let (Some((first, rest)), Some((own, others))) = (column.split_first_mut(), high.split_first())
+        else {
+            return;
+        };
+        *first = sum(*first, product(Complex32::new(own.re, -own.im), factor));
+        for (to, from) in rest.iter_mut().zip(others.iter().rev()) {
+            *to = sum(*to, product(Complex32::new(from.re, -from.im), factor));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn plane(rows: usize, cols: usize) -> Vec<f32> {
+        (0..rows * cols).map(|i| ((i * 7919 + i * i % 31) % 101) as f32 / 101.0 - 0.3).collect()
+    }
+
+    /// A transfer function with a phase, of Hermitian symmetry along the columns of the half spectrum that are their own opposites.
+    fn blur(rows: usize, cols: usize) -> impl Fn(usize, &mut [Complex32]) + Sync {
+        move |kx, column| {
+            for (ky, v) in column.iter_mut().enumerate() {
+                let signed = if 2 * ky > rows { ky as f32 - rows as f32 } else { ky as f32 };
+                let (x, y) = (kx as f32 / cols as f32, signed / rows as f32);
+                let turn = if 2 * ky == rows || 2 * kx == cols { 0.0 } else { x + 2.0 * y };
+                *v *= Complex32::from_polar((-3.0 * (x * x + y * y)).exp(), turn);
+            }
+        }
+    }
+
+    /// The result has the means of the samples that the filter of the whole plane has, with all bins and with some.
+    #[test]
+    fn means_are_those_of_the_filtered_plane() {
+        for (rows, cols) in [(2, 2), (2, 12), (10, 6), (16, 24), (90, 70), (288, 40)] {
+            let x = plane(rows, cols);
+            let fill = |r: usize, row: &mut [f32]| row.copy_from_slice(&x[r * cols..][..cols]);
+            let (whole, halved) =
+                (RealFft2::new(rows, cols).unwrap(), HalvingFilter::new(rows, cols).unwrap());
+            let (mut work, mut halved_work) = (whole.workspace(), halved.workspace());
+            for passing in [usize::MAX, cols / 4 + 1, 1, 0] {
+                let mut fine = vec![0.0; rows * cols];
+                let transfer = blur(rows, cols);
+                whole.filter(&mut work, fill, passing, &transfer, (&mut fine, cols), |v| v).unwrap();
+                let (out_rows, out_cols) = (rows.div_ceil(4), (cols / 2).div_ceil(3));
+                let mut coarse = vec![7.0; out_rows * out_cols];
+                let out = (&mut coarse[..], out_cols);
+                halved.filter(&mut halved_work, fill, passing, &transfer, out, |v| 2.0 * v).unwrap();
+                for (i, v) in coarse.iter().enumerate() {
+                    let first = 2 * (i / out_cols) * cols + 2 * (i % out_cols);
+                    let four = [first, first + 1, first + cols, first + cols + 1].map(|at| fine[at]);
+                    let expected = 2.0 * four.iter().sum::<f32>() / 4.0;
+                    assert!((v - expected).abs() < 4e-6, "{rows} × {cols}, {passing}, {i}: {v} {expected}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn threads_do_not_change_a_bit() {
+        let (rows, cols) = (150, 132);
+        let (x, halved) = (plane(rows, cols), HalvingFilter::new(rows, cols).unwrap());
+        let with = |n| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap();
+            let mut out = vec![0.0; rows * cols / 4];
+            let fill = |r: usize, row: &mut [f32]| row.copy_from_slice(&x[r * cols..][..cols]);
+            pool.install(|| {
+                let (work, to) = (&mut halved.workspace(), (&mut out[..], cols / 2));
+                halved.filter(work, fill, 50, blur(rows, cols), to, |v| v).unwrap();
+            });
+            out
+        };
+        assert_eq!(with(1), with(3));
+    }
+
+    #[test]
+    fn wrong_sizes_are_refused() {
+        for (rows, cols) in [(0, 2), (3, 4), (4, 3)] {
+            assert!(HalvingFilter::new(rows, cols).is_err());
+        }
+        let halved = HalvingFilter::new(4, 6).unwrap();
+        let run = |work: &mut HalvingWorkspace, out: &mut [f32], cols| {
+            halved.filter(work, |_, _| (), 3, |_, _| (), (out, cols), |v| v)
+        };
+        let mut work = halved.workspace();
+        for (len, cols) in [(6, 4), (5, 3), (9, 3), (0, 3), (6, 0)] {
+            assert!(run(&mut work, &mut vec![0.0; len], cols).is_err(), "{len}, {cols}");
+        }
+        assert!(run(&mut work, &mut [0.0; 6], 3).is_ok());
+        let mut other = HalvingFilter::new(4, 4).unwrap().workspace();
+        assert!(run(&mut other, &mut [0.0; 6], 3).is_err());
+    }
+}
