@@ -6,9 +6,8 @@ use std::path::PathBuf;
 
 use flate2::read::ZlibDecoder;
 use rayon::prelude::*;
-use smalti::numeric::Planes;
 use smalti::spectrum::units::photons_per_joule;
-use smalti::spectrum::{SpectralCube, Spectrum, WavelengthGrid};
+use smalti::spectrum::{Components, SpectralCube, Spectrum, WavelengthGrid};
 
 use crate::error::At;
 use crate::{IoError, Quantity, SpectralFile};
@@ -18,10 +17,6 @@ const VERSION: u32 = 1;
 /// The largest number of samples of all planes.
 const MAX_SAMPLES: usize = 1 << 27;
 const FORMAT: &str = "spectral picture";
-/// Pixels whose coefficients and sums stay in the L1 cache.
-const TILE: usize = 256;
-/// Bands for which coefficients are converted once.
-const TOGETHER: usize = 8;
 
 /// Reads numbers from the beginning of a picture.
 struct Reader<'a> {
@@ -124,39 +119,12 @@ pub(super) fn decode(name: &str, bytes: &[u8]) -> Result<SpectralFile, IoError> 
     let mut file = Reader { path: PathBuf::from(name), bytes };
     let Header { rows, cols, grid, components, log_step, step, floor, mean, basis, light } =
         Header::read(&mut file)?;
-    let bands = grid.len();
     let planes = planes(&file, rows, cols, components)?;
     let path = file.path.as_path();
-    let mut cube = Planes::zeros(rows, cols, bands);
-    let area = rows * cols;
-    let (logarithms, coefficients) = planes.split_at(area);
-    let level = |&logarithm: &i32| match logarithm {
-        0 => 0.0,
-        logarithm => floor * libm::exp(log_step * f64::from(logarithm)),
-    };
-    let levels: Vec<f64> = logarithms.par_iter().map(level).collect();
-    cube.data_mut().par_chunks_mut(TOGETHER * area).enumerate().for_each(|(group, group_planes)| {
-        let mut shape = [0.0; TILE];
-        let mut scaled = vec![[0.0; TILE]; components];
-        for first in (0..area).step_by(TILE) {
-            let count = TILE.min(area - first);
-            for (scaled, coefficients) in scaled.iter_mut().zip(coefficients.chunks_exact(area)) {
-                let pairs = scaled.iter_mut().zip(&coefficients[first..first + count]);
-                pairs.for_each(|(scaled, &coefficient)| *scaled = step * f64::from(coefficient));
-            }
-            for (plane, band) in group_planes.chunks_exact_mut(area).zip(group * TOGETHER..) {
-                shape.fill(mean[band]);
-                for (scaled, basis) in scaled.iter().zip(basis.chunks_exact(bands)) {
-                    let basis = basis[band];
-                    shape.iter_mut().zip(scaled).for_each(|(shape, scaled)| *shape += scaled * basis);
-                }
-                let out = &mut plane[first..first + count];
-                for ((out, shape), level) in out.iter_mut().zip(&shape).zip(&levels[first..]) {
-                    *out = if *level > 0.0 { (shape.max(0.0) * level) as f32 } else { 0.0 };
-                }
-            }
-        }
-    });
+    let (logarithms, coefficients) = planes.split_at(rows * cols);
+    let levels = &levels(logarithms, |logarithm| floor * libm::exp(log_step * f64::from(logarithm)));
+    let (mean, basis) = (&mean, &basis);
+    let cube = Components { mean, basis, coefficients, step, levels }.planes(rows, cols).at(path)?;
     Ok(SpectralFile {
         name: name.to_owned(),
         cube: SpectralCube::new(grid, cube).at(path)?,
@@ -165,6 +133,18 @@ pub(super) fn decode(name: &str, bytes: &[u8]) -> Result<SpectralFile, IoError> 
         distance_m: None,
         horizontal_fov_deg: None,
     })
+}
+
+/// The level of each logarithm; 0 where the logarithm is 0. Most logarithms occur often, so that each is looked up, unless they are too far apart.
+fn levels(logarithms: &[i32], level: impl Fn(i32) -> f64 + Sync) -> Vec<f64> {
+    let level = |logarithm: i32| if logarithm == 0 { 0.0 } else { level(logarithm) };
+    let least = logarithms.iter().copied().min().unwrap_or(0);
+    let most = logarithms.iter().copied().max().unwrap_or(0);
+    if i64::from(most) - i64::from(least) > logarithms.len() as i64 {
+        return logarithms.par_iter().map(|&logarithm| level(logarithm)).collect();
+    }
+    let table: Vec<f64> = (least..=most).map(level).collect();
+    logarithms.iter().map(|logarithm| table[(logarithm - least) as usize]).collect()
 }
 
 /// The quantised planes: the logarithm of the level, then the coefficients.

@@ -5,6 +5,8 @@ use super::display::{D65_XYZ, Matrices, encode_srgb};
 use super::matrix::apply;
 use super::{ColorSpace, Image, ImageError, xyz_from_lab};
 use crate::numeric::Planes;
+use crate::numeric::elementary::whole_part_f32;
+use crate::numeric::simd::{Kernel, dispatch};
 
 /// White point of sRGB as rounded in IEC 61966-2-1: X, Y, Z with Y = 1.
 pub const SRGB_WHITE: [f64; 3] = [0.95047, 1.0, 1.08883];
@@ -36,9 +38,14 @@ impl Image {
     /// The planes as 8-bit red, green and blue, pixel by pixel; 0 is black and 1 full.
     #[must_use]
     pub fn rgb8(&self) -> Vec<u8> {
-        let [r, g, b] = self.channels();
-        let byte = |v: f32| (v.clamp(0.0, 1.0) * 255.0).round() as u8;
-        r.iter().zip(g).zip(b).flat_map(|((&r, &g), &b)| [r, g, b].map(byte)).collect()
+        let planes = self.channels();
+        let mut bytes = vec![0; 3 * planes[0].len()];
+        let pieces = bytes.chunks_mut(3 * Bytes::PIXELS).zip((0..).step_by(Bytes::PIXELS));
+        pieces.for_each(|(out, first)| {
+            let channels = planes.map(|plane| &plane[first..first + out.len() / 3]);
+            dispatch(Bytes { channels, out });
+        });
+        bytes
     }
 
     /// The same with a fourth byte, full opacity, after those of each pixel.
@@ -83,6 +90,38 @@ impl Image {
     }
 }
 
+/// Three channels, of which 0 is black and 1 full, as 8-bit numbers, pixel by pixel.
+struct Bytes<'a> {
+    channels: [&'a [f32]; 3],
+    out: &'a mut [u8],
+}
+
+impl Bytes<'_> {
+    /// The most pixels, whose numbers stay in the L1 cache.
+    const PIXELS: usize = 1024;
+}
+
+impl Kernel for Bytes<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let mut numbers = [[0u8; Self::PIXELS]; 3];
+        for (numbers, values) in numbers.iter_mut().zip(self.channels) {
+            for (number, value) in numbers.iter_mut().zip(values) {
+                #[allow(clippy::manual_clamp)] // which would keep NaN
+                let scaled = value.max(0.0).min(1.0) * 255.0;
+                let whole = whole_part_f32(scaled);
+                *number = (whole + u32::from(scaled - whole as f32 >= 0.5)) as u8;
+            }
+        }
+        let [r, g, b] = &numbers;
+        for (out, ((r, g), b)) in self.out.as_chunks_mut().0.iter_mut().zip(r.iter().zip(g).zip(b)) {
+            *out = [*r, *g, *b];
+        }
+    }
+}
+
 /// CIELAB as 8-bit sRGB. The white of CIELAB becomes that of the display, and what the display cannot show is clipped.
 #[must_use]
 pub fn srgb8_from_lab(lab: [f64; 3]) -> [u8; 3] {
@@ -93,6 +132,26 @@ pub fn srgb8_from_lab(lab: [f64; 3]) -> [u8; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Bytes are the nearest numbers, in images of several pieces; what is beyond the range is its nearest end.
+    #[test]
+    fn bytes_are_rounded_pixel_by_pixel() {
+        let count = 2 * Bytes::PIXELS + 5;
+        let value = |i: usize| match i % 7 {
+            0 => -0.25,
+            1 => 1.75,
+            2 => (i % 255) as f32 / 255.0 + 0.5 / 255.0,
+            _ => (i * i % 1009) as f32 / 1008.0,
+        };
+        let data: Vec<f32> = (0..3 * count).map(value).collect();
+        let image = Image::new(ColorSpace::Srgb, Planes::new(1, count, 3, data.clone()).unwrap()).unwrap();
+        let bytes = image.rgb8();
+        assert_eq!(bytes.len(), 3 * count);
+        for (i, byte) in bytes.into_iter().enumerate() {
+            let value = data[i % 3 * count + i / 3];
+            assert_eq!(byte, (value.clamp(0.0, 1.0) * 255.0).round() as u8, "{i}: {value}");
+        }
+    }
 
     /// Greys from the definitions of L* (CIE 15) and of the curve (IEC 61966-2-1); the primaries' CIELAB under D65 from Lindbloom.
     #[test]

@@ -100,6 +100,7 @@ impl<'a> Gatherer<'a> {
             || window.read(Source::of(self.pair.raw), band.start, band.len(), [half, half], tile),
         );
         let mut members: BTreeMap<ClassKey, Vec<u32>> = BTreeMap::new();
+        let parts = sorted.len();
         for part in sorted {
             for (mine, its) in trained.iter_mut().zip(part.trained) {
                 *mine = [mine[0].min(its[0]), mine[1].max(its[1])];
@@ -107,7 +108,9 @@ impl<'a> Gatherer<'a> {
             for (saturation, pixels) in part.by_saturation {
                 for run in pixels.chunk_by(|a, b| a >> 32 == b >> 32) {
                     let key = self.key(saturation, run[0] >> 32);
-                    members.entry(key).or_default().extend(run.iter().map(|&p| p as u32));
+                    // The other parts have about as many.
+                    let list = members.entry(key).or_insert_with(|| Vec::with_capacity(parts * run.len()));
+                    list.extend(run.iter().map(|&p| p as u32));
                 }
             }
         }
@@ -150,9 +153,9 @@ impl<'a> Gatherer<'a> {
         let tasks: Vec<usize> = (0..band.len()).step_by(TASK_ROWS).collect();
         tasks
             .into_par_iter()
-            .map_init(<(Window, RowClasses)>::default, |(window, classes), at| {
+            .map_init(SortScratch::default, |scratch, at| {
                 let rows = at..(at + TASK_ROWS).min(band.len());
-                self.sort_rows(band.start, rows, window, classes)
+                self.sort_rows(band.start, rows, scratch)
             })
             .collect()
     }
@@ -161,8 +164,7 @@ impl<'a> Gatherer<'a> {
         &self,
         first: usize,
         rows: Range<usize>,
-        window: &mut Window,
-        classes: &mut RowClasses,
+        SortScratch { window, classes, other }: &mut SortScratch,
     ) -> ClassifiedPixels {
         let mosaic = self.axes.mosaic();
         let tile = [mosaic.rows(), mosaic.cols()];
@@ -202,13 +204,21 @@ impl<'a> Gatherer<'a> {
             by_saturation.insert(0, open);
         }
         let most = self.axes.positions() as u64 * locals;
-        by_saturation.values_mut().for_each(|list| sort(list, most));
+        by_saturation.values_mut().for_each(|list| sort(list, other, most));
         ClassifiedPixels { by_saturation, trained }
     }
 }
 
-/// Stable sort of entries by the bits above their lower 32, whose value is below `most`.
-fn sort(entries: &mut Vec<u64>, most: u64) {
+/// Memory that a thread reuses between the rows that it sorts.
+#[derive(Default)]
+struct SortScratch {
+    window: Window,
+    classes: RowClasses,
+    other: Vec<u64>,
+}
+
+/// Stable sort of entries by the bits above their lower 32, whose value is below `most`. `other` is scratch memory.
+fn sort(entries: &mut Vec<u64>, other: &mut Vec<u64>, most: u64) {
     if entries.len() < SHORT {
         // The lower bits ascend within each class already, so that comparing whole entries keeps their order.
         entries.sort_unstable();
@@ -218,7 +228,7 @@ fn sort(entries: &mut Vec<u64>, most: u64) {
     let passes = bits.div_ceil(DIGIT_BITS);
     // Clearing and summing counters beyond those that a pass needs would take as long as sorting.
     let digit_bits = bits.div_ceil(passes.max(1));
-    let mut other = vec![0; entries.len()];
+    other.resize(entries.len(), 0);
     let mut counters = [0usize; 1 << DIGIT_BITS];
     for pass in 0..passes {
         let digit = |entry: u64| (entry >> (32 + pass * digit_bits)) as usize & ((1 << digit_bits) - 1);
@@ -234,7 +244,7 @@ fn sort(entries: &mut Vec<u64>, most: u64) {
             other[*place] = entry;
             *place += 1;
         }
-        std::mem::swap(entries, &mut other);
+        std::mem::swap(entries, other);
     }
 }
 
@@ -389,11 +399,11 @@ mod tests {
 
     #[test]
     fn sorting_is_stable_for_any_range() {
-        let mut random = Stream::new(8, 0, 1);
+        let (mut random, mut other) = (Stream::new(8, 0, 1), Vec::new());
         for (count, most) in [(0, 1), (100, 7), (5000, 1), (5000, 240), (5000, 2049), (9000, 1 << 24)] {
             let entries: Vec<u64> = (0..count).map(|i| u64::from(random.below(most)) << 32 | i).collect();
             let (mut sorted, mut expected) = (entries.clone(), entries);
-            sort(&mut sorted, u64::from(most));
+            sort(&mut sorted, &mut other, u64::from(most));
             expected.sort_by_key(|e| e >> 32);
             assert_eq!(sorted, expected);
         }

@@ -71,8 +71,8 @@ impl TemporalNoise {
     /// that ran here meanwhile could wait.
     pub(crate) fn new(sensor: &Sensor, seed: u64) -> Option<Self> {
         let (source, window) = Self::drawn_for(sensor, seed)?;
-        let of_row = |row| dispatch(DrawRow { source, window, row, plane: 0 });
-        let blocks = (0..window.rows).flat_map(of_row).collect();
+        let mut blocks = Vec::with_capacity(window.rows * window.cols.div_ceil(LANES));
+        (0..window.rows).for_each(|row| blocks.extend(dispatch(DrawRow { source, window, row, plane: 0 })));
         Some(Self { source, drawn: DrawnBlocks { window, blocks } })
     }
 

@@ -2,6 +2,7 @@
 //!
 //! Integrals over wavelength are plain sums times the step, as in ISETCam and in CIE 15's summation method.
 
+mod components;
 mod cube;
 mod curve;
 pub mod generated;
@@ -11,6 +12,7 @@ mod observer;
 pub mod reflectance;
 pub mod units;
 
+pub use components::Components;
 pub use cube::SpectralCube;
 pub use curve::{Extrapolation, Spectrum};
 pub use grid::{SpectrumError, WavelengthGrid};
