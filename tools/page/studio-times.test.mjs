@@ -14,6 +14,7 @@ test("a new picture is on the canvas a tenth of a second after a movement of the
     const draw = CanvasRenderingContext2D.prototype.drawImage;
     let last;
     let moved;
+    let waiting;
     let follow = () => {};
     CanvasRenderingContext2D.prototype.drawImage = function (layer, ...rest) {
       if (layer instanceof HTMLCanvasElement && layer !== last) {
@@ -22,9 +23,16 @@ test("a new picture is on the canvas a tenth of a second after a movement of the
       }
       return draw.call(this, layer, ...rest);
     };
-    addEventListener("pointermove", (event) => { moved = event.timeStamp; }, { capture: true });
-    // The time from the last movement to the next picture.
-    window.followed = () => new Promise((resolve) => { follow = resolve; });
+    addEventListener("pointermove", (event) => {
+      moved = event.timeStamp;
+      if (waiting) [follow, waiting] = [waiting, undefined];
+    }, { capture: true });
+    // The time from the next movement to the next picture.
+    window.followed = () => new Promise((resolve, reject) => {
+      follow = () => {};
+      waiting = resolve;
+      setTimeout(() => reject(new Error("no picture follows a movement of the pointer")), 10_000);
+    });
   }));
   await page.getByRole("radio", { name: "Filter G" }).click();
   await page.getByLabel("Shape of filter G").selectOption("gaussian");

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use criterion::{Criterion, criterion_group, criterion_main};
 use rayon::prelude::*;
 use smalti::numeric::Planes;
-use smalti::numeric::fft::{Complex32, PlaneFilter, RealFft2, fast_len};
+use smalti::numeric::fft::{Complex32, RealFft2, fast_len};
 use smalti::optics::{
     ChromaticFocus, Defocus, Optics, OpticsModel, Wavefront, WavefrontUnit, ZernikeIndex, ZernikeMode,
 };

@@ -135,7 +135,8 @@ pub(super) fn decode(name: &str, bytes: &[u8]) -> Result<SpectralFile, IoError> 
     })
 }
 
-/// The level of each logarithm; 0 where the logarithm is 0. Most logarithms occur often, so that each is looked up, unless they are too far apart.
+/// The level of each logarithm; 0 where the logarithm is 0. Most logarithms occur often. A table therefore holds
+/// the level of each, unless they span more numbers than there are pixels.
 fn levels(logarithms: &[i32], level: impl Fn(i32) -> f64 + Sync) -> Vec<f64> {
     let level = |logarithm: i32| if logarithm == 0 { 0.0 } else { level(logarithm) };
     let least = logarithms.iter().copied().min().unwrap_or(0);

@@ -31,6 +31,7 @@ pub(crate) mod stable_text;
 pub(crate) mod target;
 mod test_scene;
 mod training;
+mod training_image;
 pub(crate) mod training_set;
 mod training_settings;
 
@@ -62,6 +63,7 @@ pub use score::{PICTURE_METRICS, PictureScores, ScoreSettings, score_picture};
 pub use test_scene::TestScene;
 pub use training::TrainingItem;
 pub(crate) use training::{HIGHEST_CUT, Stand};
+pub(crate) use training_image::ImageSampling;
 pub use training_set::{
     DEFAULT_TRAINING_LIGHT, NoStoredScenes, StoredTrainingScenes, SurfaceReflectances, Surfaces,
     TRAINING_SET_REVISION, TrainingContent, TrainingScene, refinement_scenes, training_reflectances,

@@ -8,7 +8,7 @@ use crate::isp::IspError;
 use crate::l3::{Axes, L3Error, Learner, Levels, Pair, RefinementAxes, Share, Statistics, Tiles};
 use crate::numeric::Planes;
 use crate::numeric::simd::{Kernel, dispatch};
-use crate::optics::{Optics, OpticsModel, Padding};
+use crate::optics::{Optics, OpticsModel};
 use crate::scene::{self, Scene, Setting};
 use crate::sensor::{Channel, ElectronRates, Exposure, FixedPattern, NoiseMode, Sensor};
 use crate::spectrum::{Extrapolation, Illuminant, Observer, Spectrum};
@@ -25,11 +25,6 @@ const EXPOSURE_RATIO: f64 = 2.5;
 const MIN_SEEN: f64 = 0.01;
 /// Highest cut between response levels, relative to saturation.
 pub(crate) const HIGHEST_CUT: f64 = 0.85;
-/// The widest margin around a scene in training, relative to its size. With dark surroundings, light that a lens spreads farther than the
-/// margins of both sides together comes back in on the other side; docs/l3.md states how little that changes.
-const WIDEST_MARGIN: f64 = 1.0 / 16.0;
-/// Relative difference by which rounding may change a ratio of lengths.
-const ROUNDED: f64 = 1e-6;
 /// Levels of the second stage.
 const REFINEMENT_LEVELS: usize = 12;
 
@@ -215,7 +210,7 @@ impl Camera {
         settings: &TrainingSettings,
         item: impl Into<TrainingItem>,
     ) -> Result<(), CameraError> {
-        let (image, item) = (self.training_optics().image_of_scene(scene)?, item.into());
+        let (image, item) = (self.training_image(scene, self.training_sampling(scene)?)?, item.into());
         if settings.has_own_images() {
             let camera = self.with_scene_size(scene)?;
             let exposure = camera.nominal_exposure()?;
@@ -315,23 +310,6 @@ impl Camera {
         let mut camera = self.with_size(window.rows, window.cols);
         camera.sensor.window = None;
         Ok(camera)
-    }
-
-    /// Whether the photodiodes of this camera cover two by two samples of a scene each, all of them, so that they collect the same light from
-    /// the means of these samples ([`Optics::halved_image_of_scene`]).
-    pub(crate) fn covers_pairs_of(&self, scene: &Scene) -> Result<bool, CameraError> {
-        let (camera, radiance) = (self.with_scene_size(scene)?, scene.radiance());
-        let (sensor, geometry) = (camera.sensor.unbinned(), self.optics.geometry(scene.distance_m())?);
-        let spacing_m = geometry.sample_spacing_m(scene.horizontal_fov_deg(), radiance.cols());
-        let is_twice = (sensor.pixel.pitch_m / (2.0 * spacing_m) - 1.0).abs() < ROUNDED;
-        Ok(is_twice && [2 * sensor.rows, 2 * sensor.cols] == [radiance.rows(), radiance.cols()])
-    }
-
-    /// The lens of this camera, with at most a narrow margin around a scene.
-    pub(crate) fn training_optics(&self) -> Optics {
-        let padding = &self.optics.padding;
-        let padding = Padding { margin: padding.margin.min(WIDEST_MARGIN), ..*padding };
-        Optics { padding, ..self.optics.clone() }
     }
 
     /// The targets of a scene, one plane per output.

@@ -8,7 +8,8 @@ use crate::scene::{Glints, Scene, Setting, catalog};
 use crate::spectrum::{Illuminant, Observer, Spectrum, WavelengthGrid, reflectance};
 
 /// Revision of the default training set of the first stage. It increases when the scenes, their optical images or their parts that are
-/// learned from change, so that cached statistics are not reused. That of the second stage is part of [`REFINEMENT_REVISION`](crate::l3::REFINEMENT_REVISION).
+/// learned from change, so that cached statistics are not reused. What only the second stage learns from is part of
+/// [`REFINEMENT_REVISION`](crate::l3::REFINEMENT_REVISION) instead.
 pub const TRAINING_SET_REVISION: u32 = 6;
 
 /// The illuminant of training where none is given.

@@ -97,7 +97,7 @@ struct Bytes<'a> {
 }
 
 impl Bytes<'_> {
-    /// The most pixels, whose numbers stay in the L1 cache.
+    /// The most pixels at a time, so that their numbers stay in the L1 cache.
     const PIXELS: usize = 1024;
 }
 
@@ -141,6 +141,7 @@ mod tests {
             0 => -0.25,
             1 => 1.75,
             2 => (i % 255) as f32 / 255.0 + 0.5 / 255.0,
+            3 => [f32::NAN, f32::INFINITY, f32::NEG_INFINITY][i % 3],
             _ => (i * i % 1009) as f32 / 1008.0,
         };
         let data: Vec<f32> = (0..3 * count).map(value).collect();

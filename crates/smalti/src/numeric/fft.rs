@@ -34,6 +34,14 @@ pub enum FftError {
         /// Columns.
         cols: usize,
     },
+    /// Only planes with even sides can be halved.
+    #[error("cannot halve a plane of {rows} × {cols}: expected even numbers of rows and columns")]
+    Odd {
+        /// Rows.
+        rows: usize,
+        /// Columns.
+        cols: usize,
+    },
     /// A buffer has the wrong length.
     #[error("{what}: expected {expected} values, got {got}")]
     Length {
@@ -77,35 +85,6 @@ pub fn bin_frequency(k: usize, len: usize) -> f64 {
     if k <= len / 2 { k as f64 / len as f64 } else { -((len - k.min(len)) as f64 / len as f64) }
 }
 
-/// A planned filter in the frequency domain for planes of one size.
-pub trait PlaneFilter: Sync {
-    /// Memory for one filter at a time.
-    type Workspace;
-
-    /// Allocates the memory. Each plane that is processed concurrently needs its own.
-    #[must_use]
-    fn workspace(&self) -> Self::Workspace;
-
-    /// Filters a plane without allocating memory beyond `work`.
-    ///
-    /// `fill(r, row)` writes input row `r` (all columns of the plane). `transfer(kx, column)` modifies the spectrum
-    /// at horizontal bin `kx` in place, one value per vertical bin. `finish` converts the upper left
-    /// `out.len() / out_cols` rows × `out_cols` columns of the result into `out`. Horizontal bins from
-    /// `passing` on are taken to be zero and are skipped.
-    ///
-    /// # Errors
-    /// When `work` was made for another size, or `out` is not a window of the result.
-    fn filter(
-        &self,
-        work: &mut Self::Workspace,
-        fill: impl Fn(usize, &mut [f32]) + Sync,
-        passing: usize,
-        transfer: impl Fn(usize, &mut [Complex32]) + Sync,
-        out: (&mut [f32], usize),
-        finish: impl Fn(f32) -> f32 + Sync,
-    ) -> Result<(), FftError>;
-}
-
 /// A planned transform for planes of one size. Plan it once; use it for many planes from any thread.
 #[derive(Clone)]
 pub struct RealFft2 {
@@ -117,7 +96,7 @@ pub struct RealFft2 {
     pub(super) col_inverse: Arc<dyn Fft<f32>>,
 }
 
-/// Memory for one transform at a time, about three times the size of the plane.
+/// Memory for one transform at a time, about three times the size of the plane. See [`RealFft2::workspace`].
 pub struct Workspace {
     /// Half spectrum of the rows, row-major.
     by_row: Vec<Complex32>,
@@ -179,6 +158,30 @@ impl RealFft2 {
         self.cols / 2 + 1
     }
 
+    /// Allocates the memory for a transform. Each plane that is processed concurrently needs its own.
+    #[must_use]
+    pub fn workspace(&self) -> Workspace {
+        let zero = Complex32::default();
+        let half = self.half_cols();
+        let fft = [
+            self.row_forward.get_scratch_len(),
+            self.row_inverse.get_scratch_len(),
+            self.col_forward.get_inplace_scratch_len(),
+            self.col_inverse.get_inplace_scratch_len(),
+        ];
+        let fft = fft.into_iter().max().unwrap_or(0);
+        let task = || TaskScratch {
+            real: vec![0.0; self.cols],
+            tile: vec![zero; TILE * half],
+            fft: vec![zero; fft],
+        };
+        Workspace {
+            by_row: vec![zero; half * self.rows],
+            by_col: vec![zero; half * self.rows],
+            tasks: (0..TASKS).map(|_| task()).collect(),
+        }
+    }
+
     /// The spectrum of a row-major plane.
     ///
     /// # Errors
@@ -203,6 +206,40 @@ impl RealFft2 {
         let mut plane = vec![0.0; self.rows * self.cols];
         self.inverse_rows(&mut work, &mut plane, self.cols, |v| v);
         Ok(plane)
+    }
+
+    /// Filters a plane in the frequency domain without allocating memory beyond `work`.
+    ///
+    /// `fill(r, row)` writes input row `r` (all `cols` values). `transfer(kx, column)` modifies the spectrum
+    /// at horizontal bin `kx` in place, one value per vertical bin. `finish` converts the upper left
+    /// `out.len() / out_cols` rows × `out_cols` columns of the result into `out`. Horizontal bins from
+    /// `passing` on are taken to be zero and are skipped.
+    ///
+    /// # Errors
+    /// When `work` was made for another size, or `out` is not a window of the plane.
+    pub fn filter(
+        &self,
+        work: &mut Workspace,
+        fill: impl Fn(usize, &mut [f32]) + Sync,
+        passing: usize,
+        transfer: impl Fn(usize, &mut [Complex32]) + Sync,
+        (out, out_cols): (&mut [f32], usize),
+        finish: impl Fn(f32) -> f32 + Sync,
+    ) -> Result<(), FftError> {
+        self.check_workspace(work)?;
+        self.check_window(out.len(), out_cols)?;
+        self.forward_rows(work, fill);
+        self.columns(work, |kx, col, scratch| {
+            if kx >= passing {
+                col.fill(Complex32::default());
+                return;
+            }
+            self.col_forward.process_with_scratch(col, scratch);
+            transfer(kx, col);
+            self.col_inverse.process_with_scratch(col, scratch);
+        });
+        self.inverse_rows(work, out, out_cols, finish);
+        Ok(())
     }
 
     /// An error unless a workspace was made for this size.
@@ -298,57 +335,6 @@ impl RealFft2 {
                 }
             },
         );
-    }
-}
-
-impl PlaneFilter for RealFft2 {
-    type Workspace = Workspace;
-
-    fn workspace(&self) -> Workspace {
-        let zero = Complex32::default();
-        let half = self.half_cols();
-        let fft = [
-            self.row_forward.get_scratch_len(),
-            self.row_inverse.get_scratch_len(),
-            self.col_forward.get_inplace_scratch_len(),
-            self.col_inverse.get_inplace_scratch_len(),
-        ];
-        let fft = fft.into_iter().max().unwrap_or(0);
-        let task = || TaskScratch {
-            real: vec![0.0; self.cols],
-            tile: vec![zero; TILE * half],
-            fft: vec![zero; fft],
-        };
-        Workspace {
-            by_row: vec![zero; half * self.rows],
-            by_col: vec![zero; half * self.rows],
-            tasks: (0..TASKS).map(|_| task()).collect(),
-        }
-    }
-
-    fn filter(
-        &self,
-        work: &mut Workspace,
-        fill: impl Fn(usize, &mut [f32]) + Sync,
-        passing: usize,
-        transfer: impl Fn(usize, &mut [Complex32]) + Sync,
-        (out, out_cols): (&mut [f32], usize),
-        finish: impl Fn(f32) -> f32 + Sync,
-    ) -> Result<(), FftError> {
-        self.check_workspace(work)?;
-        self.check_window(out.len(), out_cols)?;
-        self.forward_rows(work, fill);
-        self.columns(work, |kx, col, scratch| {
-            if kx >= passing {
-                col.fill(Complex32::default());
-                return;
-            }
-            self.col_forward.process_with_scratch(col, scratch);
-            transfer(kx, col);
-            self.col_inverse.process_with_scratch(col, scratch);
-        });
-        self.inverse_rows(work, out, out_cols, finish);
-        Ok(())
     }
 }
 

@@ -1,13 +1,14 @@
-//! Filters in the frequency domain whose result has half of the resolution: each sample is the mean of two by two samples of the filtered
-//! plane.
+//! Filters in the frequency domain whose result has half of the resolution: each sample is the mean of two by
+//! two samples of the filtered plane.
 //!
-//! With N samples in a line, the mean of a sample and the next one multiplies bin k of the spectrum by (1 + exp(2πik / N)) / 2. Taking every
-//! second mean folds the spectrum: bin k of the result is half of the sum of the bins k and k + N / 2. The inverse transform is a
-//! quarter as large as that of the whole plane.
+//! With N samples in a line, the mean of a sample and the next one multiplies bin k of the spectrum by
+//! (1 + exp(2πik / N)) / 2. Taking every second mean folds the spectrum: bin k of the result is half of the sum
+//! of the bins k and k + N / 2. The inverse transform is a quarter as large as that of the whole plane.
 
 use rayon::prelude::*;
 
-use super::fft::{Complex32, FftError, PlaneFilter, RealFft2, TASKS, Workspace};
+use super::fft::{Complex32, FftError, RealFft2, TASKS, Workspace};
+use super::plane_filter::PlaneFilter;
 use super::simd::{Kernel, dispatch};
 
 /// A planned filter for planes of one size with even sides.
@@ -33,7 +34,7 @@ impl HalvingFilter {
     /// When a side is zero or odd, or the spectrum would not fit the address space.
     pub(crate) fn new(rows: usize, cols: usize) -> Result<Self, FftError> {
         if !rows.is_multiple_of(2) || !cols.is_multiple_of(2) {
-            return Err(FftError::Size { rows, cols });
+            return Err(FftError::Odd { rows, cols });
         }
         let factors = |len: usize| {
             let factor = |k: usize| {
@@ -181,7 +182,8 @@ mod tests {
         (0..rows * cols).map(|i| ((i * 7919 + i * i % 31) % 101) as f32 / 101.0 - 0.3).collect()
     }
 
-    /// A transfer function with a phase, of Hermitian symmetry along the columns of the half spectrum that are their own opposites.
+    /// A transfer function with a phase, Hermitian along the columns of the half spectrum that are their own
+    /// opposites.
     fn blur(rows: usize, cols: usize) -> impl Fn(usize, &mut [Complex32]) + Sync {
         move |kx, column| {
             for (ky, v) in column.iter_mut().enumerate() {
@@ -202,7 +204,7 @@ mod tests {
             let (whole, halved) =
                 (RealFft2::new(rows, cols).unwrap(), HalvingFilter::new(rows, cols).unwrap());
             let (mut work, mut halved_work) = (whole.workspace(), halved.workspace());
-            for passing in [usize::MAX, cols / 4 + 1, 1, 0] {
+            for passing in [usize::MAX, 3 * cols / 8 + 1, cols / 4 + 1, 1, 0] {
                 let mut fine = vec![0.0; rows * cols];
                 let transfer = blur(rows, cols);
                 whole.filter(&mut work, fill, passing, &transfer, (&mut fine, cols), |v| v).unwrap();
@@ -239,9 +241,10 @@ mod tests {
 
     #[test]
     fn wrong_sizes_are_refused() {
-        for (rows, cols) in [(0, 2), (3, 4), (4, 3)] {
-            assert!(HalvingFilter::new(rows, cols).is_err());
+        for (rows, cols) in [(3, 4), (4, 3)] {
+            assert_eq!(HalvingFilter::new(rows, cols).unwrap_err(), FftError::Odd { rows, cols });
         }
+        assert!(HalvingFilter::new(0, 2).is_err());
         let halved = HalvingFilter::new(4, 6).unwrap();
         let run = |work: &mut HalvingWorkspace, out: &mut [f32], cols| {
             halved.filter(work, |_, _| (), 3, |_, _| (), (out, cols), |v| v)

@@ -15,6 +15,7 @@ pub mod normal;
 pub(crate) mod orthonormal;
 mod out_of_range;
 pub mod philox;
+pub(crate) mod plane_filter;
 mod planes;
 pub mod poisson;
 pub(crate) mod products;

@@ -21,7 +21,7 @@ pub struct Components<'a> {
     pub coefficients: &'a [i32],
     /// The step of the coefficients.
     pub step: f64,
-    /// The level of every pixel. What is not above 0 makes its spectrum dark.
+    /// The level of every pixel. A level that is not above 0 gives a dark spectrum.
     pub levels: &'a [f64],
 }
 
@@ -29,18 +29,19 @@ impl Components<'_> {
     /// The planes of an image of `rows` × `cols` pixels, one for each band.
     ///
     /// # Errors
-    /// When there is no band, the components have other numbers of bands than the mean, or the planes other numbers of pixels.
+    /// When the components have other numbers of bands than the mean, or the planes other numbers of pixels.
     pub fn planes(&self, rows: usize, cols: usize) -> Result<Planes, ShapeError> {
         let (bands, area) = (self.mean.len(), self.levels.len());
         let components = self.basis.len().checked_div(bands).unwrap_or(0);
-        let mut planes = Planes::new(rows, cols, bands, vec![0.0; bands * area])?;
-        let shape = |count, cols, got| {
-            let expected = count * cols;
+        let shape = |count: usize, rows: usize, cols: usize, got| {
+            let expected = count.saturating_mul(rows).saturating_mul(cols);
             let fits = expected == got;
-            if fits { Ok(()) } else { Err(ShapeError { count, rows: 1, cols, expected, got }) }
+            if fits { Ok(()) } else { Err(ShapeError { count, rows, cols, expected, got }) }
         };
-        shape(components, bands, self.basis.len())?;
-        shape(components, area, self.coefficients.len())?;
+        shape(1, rows, cols, area)?;
+        shape(components, 1, bands, self.basis.len())?;
+        shape(components, rows, cols, self.coefficients.len())?;
+        let mut planes = Planes::zeros(rows, cols, bands);
         if area == 0 || bands == 0 {
             return Ok(planes);
         }
@@ -50,9 +51,9 @@ impl Components<'_> {
             let mut planes: Vec<&mut [f32]> = planes.chunks_exact_mut(area).collect();
             for first in (0..area).step_by(TILE) {
                 let pixels = first..area.min(first + TILE);
-                let (bands, scaled) = (group * TOGETHER, &mut scaled[..]);
+                let (first_band, scaled) = (group * TOGETHER, &mut scaled[..]);
                 let out: Vec<&mut [f32]> = planes.iter_mut().map(|p| &mut p[pixels.clone()]).collect();
-                dispatch(Tile { of: self, first, bands, scaled, out });
+                dispatch(Tile { of: self, first, first_band, scaled, out });
             }
         });
         Ok(planes)
@@ -62,9 +63,9 @@ impl Components<'_> {
 /// Some bands of some pixels.
 struct Tile<'a, 'b> {
     of: &'a Components<'a>,
-    /// The first pixel, and the first band.
+    /// The first pixel.
     first: usize,
-    bands: usize,
+    first_band: usize,
     /// Scratch memory for the coefficients of each component.
     scaled: &'a mut [[f64; TILE]],
     /// The pixels of each band.
@@ -76,7 +77,7 @@ impl Kernel for Tile<'_, '_> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { of, first, bands, scaled, out } = self;
+        let Self { of, first, first_band, scaled, out } = self;
         let (all, area) = (of.mean.len(), of.levels.len());
         let count = out.first().map_or(0, |out| out.len());
         let pixels = first..first + count;
@@ -85,7 +86,7 @@ impl Kernel for Tile<'_, '_> {
                 *scaled = of.step * f64::from(*coefficient);
             }
         }
-        for (out, band) in out.into_iter().zip(bands..) {
+        for (out, band) in out.into_iter().zip(first_band..) {
             let mut shape = [of.mean[band]; TILE];
             for (scaled, basis) in scaled.iter().zip(of.basis.chunks_exact(all)) {
                 let basis = basis[band];
