@@ -5,7 +5,6 @@ use std::io::Read;
 use std::path::PathBuf;
 
 use flate2::read::ZlibDecoder;
-use rayon::prelude::*;
 use smalti::spectrum::units::photons_per_joule;
 use smalti::spectrum::{Components, SpectralCube, Spectrum, WavelengthGrid};
 
@@ -137,12 +136,12 @@ pub(super) fn decode(name: &str, bytes: &[u8]) -> Result<SpectralFile, IoError> 
 
 /// The level of each logarithm; 0 where the logarithm is 0. Most logarithms occur often. A table therefore holds
 /// the level of each, unless they span more numbers than there are pixels.
-fn levels(logarithms: &[i32], level: impl Fn(i32) -> f64 + Sync) -> Vec<f64> {
+fn levels(logarithms: &[i32], level: impl Fn(i32) -> f64) -> Vec<f64> {
     let level = |logarithm: i32| if logarithm == 0 { 0.0 } else { level(logarithm) };
     let least = logarithms.iter().copied().min().unwrap_or(0);
     let most = logarithms.iter().copied().max().unwrap_or(0);
     if i64::from(most) - i64::from(least) > logarithms.len() as i64 {
-        return logarithms.par_iter().map(|&logarithm| level(logarithm)).collect();
+        return logarithms.iter().map(|&logarithm| level(logarithm)).collect();
     }
     let table: Vec<f64> = (least..=most).map(level).collect();
     logarithms.iter().map(|logarithm| table[(logarithm - least) as usize]).collect()

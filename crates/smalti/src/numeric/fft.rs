@@ -92,7 +92,7 @@ pub struct RealFft2 {
     cols: usize,
     row_forward: Arc<dyn RealToComplex<f32>>,
     row_inverse: Arc<dyn ComplexToReal<f32>>,
-    pub(super) col_forward: Arc<dyn Fft<f32>>,
+    col_forward: Arc<dyn Fft<f32>>,
     pub(super) col_inverse: Arc<dyn Fft<f32>>,
 }
 
@@ -228,14 +228,7 @@ impl RealFft2 {
     ) -> Result<(), FftError> {
         self.check_workspace(work)?;
         self.check_window(out.len(), out_cols)?;
-        self.forward_rows(work, fill);
-        self.columns(work, |kx, col, scratch| {
-            if kx >= passing {
-                col.fill(Complex32::default());
-                return;
-            }
-            self.col_forward.process_with_scratch(col, scratch);
-            transfer(kx, col);
+        self.filtered_columns(work, fill, passing, transfer, |col, scratch| {
             self.col_inverse.process_with_scratch(col, scratch);
         });
         self.inverse_rows(work, out, out_cols, finish);
@@ -259,8 +252,30 @@ impl RealFft2 {
         Err(FftError::Length { what: "the output window", expected: window, got: len })
     }
 
+    /// The spectrum of the filled rows, as [`RealFft2::filter`] modifies it, in `by_col`. `work_on(column, scratch)` follows `transfer` on
+    /// each column. Those from `passing` on are zero.
+    pub(super) fn filtered_columns(
+        &self,
+        work: &mut Workspace,
+        fill: impl Fn(usize, &mut [f32]) + Sync,
+        passing: usize,
+        transfer: impl Fn(usize, &mut [Complex32]) + Sync,
+        work_on: impl Fn(&mut [Complex32], &mut [Complex32]) + Sync,
+    ) {
+        self.forward_rows(work, fill);
+        self.columns(work, |kx, col, scratch| {
+            if kx >= passing {
+                col.fill(Complex32::default());
+                return;
+            }
+            self.col_forward.process_with_scratch(col, scratch);
+            transfer(kx, col);
+            work_on(col, scratch);
+        });
+    }
+
     /// Row transforms into `by_row`.
-    pub(super) fn forward_rows(&self, work: &mut Workspace, fill: impl Fn(usize, &mut [f32]) + Sync) {
+    fn forward_rows(&self, work: &mut Workspace, fill: impl Fn(usize, &mut [f32]) + Sync) {
         let half = self.half_cols();
         let per_task = self.rows.div_ceil(TASKS);
         work.by_row.par_chunks_mut(per_task * half).zip(&mut work.tasks).enumerate().for_each(
@@ -277,7 +292,7 @@ impl RealFft2 {
     }
 
     /// Transposes `by_row` into `by_col` and runs `work_on(kx, column, scratch)` on every column.
-    pub(super) fn columns(
+    fn columns(
         &self,
         work: &mut Workspace,
         work_on: impl Fn(usize, &mut [Complex32], &mut [Complex32]) + Sync,
@@ -343,10 +358,10 @@ fn check(what: &'static str, expected: usize, got: usize) -> Result<(), FftError
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
 
-    fn plane(rows: usize, cols: usize) -> Vec<f32> {
+    pub(in super::super) fn plane(rows: usize, cols: usize) -> Vec<f32> {
         (0..rows * cols).map(|i| ((i * 7919 + i * i % 31) % 101) as f32 / 101.0 - 0.3).collect()
     }
 

@@ -69,30 +69,19 @@ impl PlaneFilter for HalvingFilter {
         fine.check_workspace(&work.fine)?;
         coarse.check_workspace(&work.coarse)?;
         coarse.check_window(out.len(), out_cols)?;
-        fine.forward_rows(&mut work.fine, fill);
-        fine.columns(&mut work.fine, |kx, column, scratch| {
-            if kx < passing {
-                fine.col_forward.process_with_scratch(column, scratch);
-                transfer(kx, column);
-                dispatch(FoldDown { column, factors: down });
-            }
+        fine.filtered_columns(&mut work.fine, fill, passing, transfer, |column, _| {
+            dispatch(FoldDown { column, factors: down });
         });
         let (rows, cols) = (coarse.rows(), coarse.cols());
         let by_col = &work.fine.by_col;
-        // The upper half of a spectrum of real numbers is that of the opposite bins, conjugated.
-        let folded = |kx: usize| (kx < passing).then(|| &by_col[kx * fine.rows()..][..rows]);
+        let folded = |kx: usize| &by_col[kx * fine.rows()..][..rows];
         let per_task = coarse.half_cols().div_ceil(TASKS);
         let columns = work.coarse.by_col.par_chunks_mut(per_task * rows).zip(&mut work.coarse.tasks);
         columns.enumerate().for_each(|(task, (columns, scratch))| {
             for (i, column) in columns.chunks_exact_mut(rows).enumerate() {
                 let kx = task * per_task + i;
-                column.fill(Complex32::ZERO);
-                if let Some(low) = folded(kx) {
-                    dispatch(AddLow { column, low, factor: across[kx] });
-                }
-                if let Some(high) = folded(cols - kx) {
-                    dispatch(AddHigh { column, high, factor: across[cols + kx] });
-                }
+                let factors = [across[kx], across[cols + kx]];
+                dispatch(FoldAcross { column, low: folded(kx), opposite: folded(cols - kx), factors });
                 coarse.col_inverse.process_with_scratch(column, &mut scratch.fft);
             }
         });
@@ -101,14 +90,12 @@ impl PlaneFilter for HalvingFilter {
     }
 }
 
+/// a · b + c · d.
 #[inline(always)]
-fn product(a: Complex32, b: Complex32) -> Complex32 {
-    Complex32::new(a.re * b.re - a.im * b.im, a.re * b.im + a.im * b.re)
-}
-
-#[inline(always)]
-fn sum(a: Complex32, b: Complex32) -> Complex32 {
-    Complex32::new(a.re + b.re, a.im + b.im)
+fn sum_of_products([a, b]: [Complex32; 2], [c, d]: [Complex32; 2]) -> Complex32 {
+    let product = |a: Complex32, b: Complex32| [a.re * b.re - a.im * b.im, a.re * b.im + a.im * b.re];
+    let ([re, im], [more_re, more_im]) = (product(a, b), product(c, d));
+    Complex32::new(re + more_re, im + more_im)
 }
 
 /// Multiplies a column of the spectrum by factors and folds it into its first half.
@@ -127,60 +114,44 @@ impl Kernel for FoldDown<'_> {
         let (of_low, of_high) = self.factors.split_at(half);
         let factors = of_low.iter().zip(of_high);
         for ((low, high), (of_low, of_high)) in low.iter_mut().zip(high).zip(factors) {
-            *low = sum(product(*low, *of_low), product(*high, *of_high));
+            *low = sum_of_products([*low, *of_low], [*high, *of_high]);
         }
     }
 }
 
-/// Adds a folded column times a factor.
-struct AddLow<'a> {
+/// Folds two columns into one: the spectrum at a horizontal bin, and in place of the bin `cols` beyond it the opposite bin, which has the
+/// conjugate values at the opposite vertical bins because the plane is real.
+struct FoldAcross<'a> {
     column: &'a mut [Complex32],
     low: &'a [Complex32],
-    factor: Complex32,
+    opposite: &'a [Complex32],
+    factors: [Complex32; 2],
 }
 
-impl Kernel for AddLow<'_> {
+impl Kernel for FoldAcross<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
-        for (to, from) in self.column.iter_mut().zip(self.low) {
-            *to = sum(*to, product(*from, self.factor));
-        }
-    }
-}
-
-/// Adds the opposite bins of a folded column, conjugated, times a factor.
-struct AddHigh<'a> {
-    column: &'a mut [Complex32],
-    high: &'a [Complex32],
-    factor: Complex32,
-}
-
-impl Kernel for AddHigh<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let Self { column, high, factor } = self;
-        let (Some((first, rest)), Some((own, others))) = (column.split_first_mut(), high.split_first())
-        else {
-            return;
+        let Self { column, low, opposite, factors } = self;
+        let folded = |low: Complex32, opposite: Complex32| {
+            sum_of_products([low, factors[0]], [Complex32::new(opposite.re, -opposite.im), factors[1]])
         };
-        *first = sum(*first, product(Complex32::new(own.re, -own.im), factor));
-        for (to, from) in rest.iter_mut().zip(others.iter().rev()) {
-            *to = sum(*to, product(Complex32::new(from.re, -from.im), factor));
+        // Bin 0 is its own opposite.
+        let opposites = opposite.iter().skip(1).rev();
+        for ((to, low), opposite) in column.iter_mut().zip(low).skip(1).zip(opposites) {
+            *to = folded(*low, *opposite);
+        }
+        if let (Some(to), Some(low), Some(own)) = (column.first_mut(), low.first(), opposite.first()) {
+            *to = folded(*low, *own);
         }
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::fft::tests::plane;
     use super::*;
-
-    fn plane(rows: usize, cols: usize) -> Vec<f32> {
-        (0..rows * cols).map(|i| ((i * 7919 + i * i % 31) % 101) as f32 / 101.0 - 0.3).collect()
-    }
 
     /// A transfer function with a phase, Hermitian along the columns of the half spectrum that are their own
     /// opposites.

@@ -12,7 +12,6 @@ use crate::numeric::Planes;
 use crate::numeric::fft::{FftError, RealFft2};
 use crate::numeric::halving_filter::HalvingFilter;
 use crate::numeric::plane_filter::PlaneFilter;
-use crate::numeric::simd::{Kernel, dispatch};
 use crate::scene::Scene;
 use crate::spectrum::{SpectralCube, WavelengthGrid};
 
@@ -167,35 +166,16 @@ impl Band<'_> {
     fn row(&self, row: usize, falloff: &FalloffMap, out: &mut [f32]) {
         let cols = out.len();
         let radiance = self.radiance.get(row * cols..(row + 1) * cols).unwrap_or(&[]);
-        dispatch(BandRow { radiance, gain: self.gain, row, falloff, out });
-    }
-}
-
-/// A row of a [`Band`].
-struct BandRow<'a> {
-    radiance: &'a [f32],
-    gain: f32,
-    row: usize,
-    falloff: &'a FalloffMap,
-    out: &'a mut [f32],
-}
-
-impl Kernel for BandRow<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let Self { radiance, gain, row, falloff, out } = self;
         if let FalloffMap::Cos4 { x2, y2 } = falloff {
             let y2 = y2.get(row).copied().unwrap_or(0.0);
             for ((o, &v), &x2) in out.iter_mut().zip(radiance).zip(x2) {
                 // tan² of the field angle is x² + y² over the squared image distance.
                 let cos2 = 1.0 / (1.0 + x2 + y2);
-                *o = v * gain * (cos2 * cos2);
+                *o = v * self.gain * (cos2 * cos2);
             }
         } else {
             for (o, &v) in out.iter_mut().zip(radiance) {
-                *o = v * gain;
+                *o = v * self.gain;
             }
         }
     }
