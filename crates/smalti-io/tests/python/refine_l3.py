@@ -12,5 +12,5 @@ programs = re.findall(r"```python\n(.*?)```", docs.read_text(encoding="utf-8"), 
 namespace = {}
 exec(next(p for p in programs if "def refine(" in p), namespace)
 
-table, picture = sys.argv[1:]
-print(json.dumps({"outputs": namespace["refine"](table, np.load(picture)).ravel().tolist()}))
+table, picture, samples = sys.argv[1:]
+print(json.dumps({"outputs": namespace["refine"](table, np.load(picture), np.load(samples)).ravel().tolist()}))

@@ -63,7 +63,7 @@ pub use pipeline::{Class, Kernels, Origin, Pipeline, PipelineParts};
 pub use refine::{
     FixedRefinement, Polynomial, REFINEMENT_CORRECTED_REACH, REFINEMENT_INPUTS, REFINEMENT_LANES,
     REFINEMENT_LINEAR_INPUTS, REFINEMENT_RENDERING_REVISION, REFINEMENT_REVISION, REFINEMENT_RGB_FROM_XYZ,
-    Refinement, RefinementAxes, RefinementClass, RefinementPicture, RefinementStatistics,
+    Refinement, RefinementAxes, RefinementClass, RefinementPicture, RefinementSamples, RefinementStatistics,
 };
 pub use registration::{
     Aligned, GOOD_CORRELATION, GOOD_RESIDUAL_PX, MIN_CORRELATION, MIN_SIDE, RESOLVED_SHIFT_PX, Registration,

@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use smalti::l3::{
-    FixedKernels, FixedRefinement, L3Error, Pipeline, Polynomial, REFINEMENT_INPUTS, Refinement, Textures,
+    FixedKernels, FixedRefinement, L3Error, Pipeline, Polynomial, REFINEMENT_INPUTS, Refinement,
+    RefinementSamples, Textures,
 };
 use smalti::sensor::{RawImage, RawSamples, Sampling};
 
@@ -35,6 +36,9 @@ impl Header<'_> {
         let second = pipeline.refinement();
         if let Some(refinement) = second {
             self.fixed_refinement(refinement, &refinement.fixed().at(path)?, fixed.scale);
+            let factor = RefinementSamples::factor(pipeline.black_level(), pipeline.white_level());
+            self.line("/* From samples above black to responses: a factor with 16 binary places beyond those of pictures. */");
+            self.define("RESPONSE", format!("INT64_C({factor})"), "");
         }
         self.code(RAW);
         self.code(&of_stage(FIXED, second.is_some()));

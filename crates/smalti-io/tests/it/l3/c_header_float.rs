@@ -127,7 +127,7 @@ fn classes_met(axes: &RefinementAxes, first: &Pipeline, image: &smalti::sensor::
     let stage =
         Refinement::new(axes.clone(), classes, vec![0.0; 3 * count * REFINEMENT_INPUTS], offsets).unwrap();
     let mut planes = first.render_raw(image).unwrap().planes;
-    stage.apply(&mut planes).unwrap();
+    stage.apply(&mut planes, None).unwrap();
     planes.data().iter().map(|&class| class as u32 - count as u32).collect()
 }
 
@@ -229,7 +229,8 @@ fn both_stages_in_integers_are_those_of_the_library() {
             i32::try_from(if product < 0 { -rounded } else { rounded }).unwrap()
         };
         let mut expected: Vec<i32> = sums.iter().enumerate().map(unit).collect();
-        p.refinement().unwrap().fixed().unwrap().apply(&mut expected, rows, cols);
+        let samples = p.refinement_samples(&image).unwrap();
+        p.refinement().unwrap().fixed().unwrap().apply(&mut expected, rows, cols, Some(samples));
         for (i, (found, expected)) in best.iter().zip(&expected).enumerate() {
             assert_eq!(found, expected, "value {i} {size:?} {phase:?} {r:?}");
         }

@@ -102,11 +102,14 @@ fn the_documented_refinement_refines() {
     let first = picture_pipeline();
     let (raw, _) = raw(&bayer(), 60, 71, [0, 0]);
     let both = super::c_header_float::best_of(&first, second_stage().axes().clone(), &raw);
-    let (table, picture) = (dir.path().join("a.l3"), dir.path().join("xyz.npy"));
+    let [table, picture, samples] = ["a.l3", "xyz.npy", "raw.npy"].map(|name| dir.path().join(name));
     write_table(&table, &both).unwrap();
     let rendered = first.render_raw(&raw).unwrap().planes;
     npy::write(&picture, &[3, 60, 71], rendered.data()).unwrap();
-    let Some(seen) = python("refine_l3.py", "safetensors, numpy", &[&table, &picture]) else { return };
+    npy::write(&samples, &[60, 71], &raw.normalized()).unwrap();
+    let Some(seen) = python("refine_l3.py", "safetensors, numpy", &[&table, &picture, &samples]) else {
+        return;
+    };
     let (documented, ours) = (floats(&seen[0]["outputs"]), both.render_raw(&raw).unwrap().planes);
     assert_eq!(documented.len(), ours.data().len());
     let far = documented.iter().zip(ours.data()).filter(|(a, b)| (*a - f64::from(**b)).abs() > 1e-5).count();

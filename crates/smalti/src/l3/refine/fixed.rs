@@ -10,6 +10,7 @@ use super::pictures::RefinementPicture;
 use super::polynomial::Polynomial;
 use super::refinement::Refinement;
 use super::roots::{fixed_rgb_from_xyz, fixed_roots};
+use super::samples::RefinementSamples;
 use super::stages::{FINE, PICTURES, SCALES};
 use crate::numeric::Planes;
 use crate::numeric::mirror::about_outermost;
@@ -47,6 +48,8 @@ const FROM: i64 = highlights::CONTRASTS[0] as i64;
 const TO: i64 = highlights::CONTRASTS[1] as i64;
 /// Binary places of how much of the correction applies.
 const SHARE_PLACES: u32 = 10;
+/// Binary places of Y and of a response relative to both together.
+const RESPONSE_PLACES: u32 = 14;
 /// Down, right and times of the neighbours of a smoothing.
 const AROUND: [[isize; 3]; 8] =
     [[-1, 0, 2], [0, -1, 2], [0, 1, 2], [1, 0, 2], [-1, -1, 1], [-1, 1, 1], [1, -1, 1], [1, 1, 1]];
@@ -207,10 +210,18 @@ impl FixedRefinement {
     pub const TENSOR_SHIFT: u32 = 4;
 
     /// Refines a picture, X, Y, Z in units of 2⁻²⁰, each row by row. Values beyond ±8 are saturated. Results are the same for any number of threads.
-    /// It keeps all pictures as a whole, 69 bytes per pixel. Nothing is done where the length is not that of three planes.
-    pub fn apply(&self, picture: &mut [i32], rows: usize, cols: usize) {
+    /// It keeps all pictures as a whole, 69 bytes per pixel. Beside highlights, it compares Y with `samples`, as [`Refinement::apply`] does. Nothing is done where
+    /// the length is not that of three planes, or the raw image has another size.
+    pub fn apply(
+        &self,
+        picture: &mut [i32],
+        rows: usize,
+        cols: usize,
+        samples: Option<RefinementSamples<'_>>,
+    ) {
         let plane = rows * cols;
-        if picture.len() != OUTPUTS * plane || plane == 0 {
+        let is_other = samples.is_some_and(|samples| samples.size() != [rows, cols]);
+        if picture.len() != OUTPUTS * plane || plane == 0 || is_other {
             return;
         }
         let mut pictures: [Whole; PICTURES] = Default::default();
@@ -232,18 +243,18 @@ impl FixedRefinement {
         }
         let refined = Whole::of(rows, cols, |row, col| self.pixel(&pictures, row, col));
         drop(pictures);
-        let corrected = Whole::of(rows, cols, |row, col| self.corrected(&refined, row, col));
+        let corrected = Whole::of(rows, cols, |row, col| self.corrected(&refined, samples, row, col));
         for (p, out) in picture.chunks_exact_mut(plane).enumerate() {
             out.iter_mut().zip(&corrected.data).for_each(|(out, pixel)| *out = pixel[p]);
         }
     }
 
     /// Refines a picture in single precision in place: it is rounded before and converted back.
-    pub(in super::super) fn apply_to(&self, planes: &mut Planes) {
+    pub(in super::super) fn apply_to(&self, planes: &mut Planes, samples: Option<RefinementSamples<'_>>) {
         let (rows, cols, one) = (planes.rows(), planes.cols(), (1u32 << PLACES) as f32);
         // A conversion to an integer saturates.
         let mut whole: Vec<i32> = planes.data().iter().map(|v| (v * one).round() as i32).collect();
-        self.apply(&mut whole, rows, cols);
+        self.apply(&mut whole, rows, cols, samples);
         planes.data_mut().iter_mut().zip(whole).for_each(|(v, w)| *v = w as f32 / one);
     }
 
@@ -279,7 +290,13 @@ impl FixedRefinement {
     }
 
     /// A pixel of the refined picture, corrected beside light that is many times as bright.
-    fn corrected(&self, refined: &Whole, row: isize, col: isize) -> [i32; OUTPUTS] {
+    fn corrected(
+        &self,
+        refined: &Whole,
+        samples: Option<RefinementSamples<'_>>,
+        row: isize,
+        col: isize,
+    ) -> [i32; OUTPUTS] {
         let (own, reach) = (refined.at(row, col), highlights::REACH as isize);
         let at = |r: isize, c: isize| refined.at(row + r, col + c);
         let around = || (-reach..=reach).flat_map(move |r| (-reach..=reach).map(move |c| (r, c)));
@@ -312,12 +329,40 @@ impl FixedRefinement {
         let near = lights().filter(|&(r, c, _)| is_near(r, c));
         let near = rounded(near.map(|(r, c, y)| y << (2 - r.abs() - c.abs())).sum(), 4);
         let light = i64::from(own[1]).max(near >> 1).max(mean >> (BINOMIAL_PLACES + 2));
+        let given = samples.and_then(|samples| self.given(refined, samples, row, col));
+        let light = given.map_or(light, |given| (light + given.max(light >> 1).min(2 * light)) >> 1);
         let total = y.max((self.dark * weights) >> sum_places).max(x / MOST_OF_Y[0]).max(z / MOST_OF_Y[1]);
         let goal = [x.max(0) * light / total, light, z.max(0) * light / total];
         std::array::from_fn(|p| {
             let (own, goal) = (i64::from(own[p]), i64::from(saturated(goal[p])));
             saturated(own + rounded(share * (goal - own), SHARE_PLACES))
         })
+    }
+
+    /// The Y that the response of a pixel's own sample gives, from Y and responses of the samples around it that see the same cell of the tile. `None` where
+    /// it is clipped.
+    fn given(&self, refined: &Whole, samples: RefinementSamples<'_>, row: isize, col: isize) -> Option<i64> {
+        let response = |row: isize, col: isize| {
+            let [row, col] = [usize::try_from(row).ok()?, usize::try_from(col).ok()?];
+            (row < refined.rows && col < refined.cols).then(|| samples.whole(row, col)).flatten()
+        };
+        let of_tile = |at: isize, len: usize| {
+            let (reach, len) = (highlights::REACH as isize, len as isize);
+            (-(reach / len)..=reach / len).map(move |i| at + i * len)
+        };
+        let [tile_rows, tile_cols] = samples.tile();
+        let (mut lights, mut responses) = (0, 0);
+        for row in of_tile(row, tile_rows) {
+            for col in of_tile(col, tile_cols) {
+                let Some(response) = response(row, col) else { continue };
+                let y = i64::from(refined.at(row, col)[1].max(0));
+                let total = y + response + self.dark;
+                lights += (y << RESPONSE_PLACES) / total;
+                responses += (response << RESPONSE_PLACES) / total;
+            }
+        }
+        let own = response(row, col)?;
+        (responses > 0).then(|| own * lights / responses)
     }
 
     /// The class of a pixel of the finest smooth picture.

@@ -4,8 +4,13 @@
 //! the light of its surroundings. Where Y around a pixel has such a contrast, the pixel has the mean colour of the light around it instead, and its
 //! Y is at least half of the mean Y of its neighbours and a quarter of the mean Y around it, in which negative Y counts as 0. Light
 //! near saturation counts less in the mean colour, because the colour of clipped light is wrong.
+//!
+//! What a mosaic does not resolve, it still samples: each pixel has one sample of its own light, which is neither negative nor that of its neighbours.
+//! Where all light has one colour, Y is in proportion to the responses of the samples that see the same cell of the tile, and so Y goes halfway to what the
+//! pixel's own response gives.
 
 use super::super::blocks::{LANES, values, values_mut};
+use super::samples::{CLIPPED, RefinementSamples};
 use super::stages::{MARGIN, Padded, Vector, copy_row};
 use super::strips::Strip;
 use crate::numeric::simd::{Kernel, dispatch};
@@ -27,9 +32,11 @@ const WEIGHTS: [f32; 1 + REACH] = [70.0 / 256.0, 56.0 / 256.0, 28.0 / 256.0, 8.0
 /// Least Y of a corrected pixel, relative to the means of Y with binomial weights over 3 × 3 and over all pixels. Negative Y counts as 0 in them: it
 /// would cancel the light beside it.
 const LEAST: [f32; 2] = [0.5, 0.25];
+/// Bounds of the Y that a response gives, relative to the former Y.
+const OF_RESPONSE: [f32; 2] = [0.5, 2.0];
 
 /// Corrects a strip. `dark` is the standard deviation of the noise of a sample at Y = 0, which is added to the Y of dark pixels.
-pub(super) fn correct(mut strip: Strip<'_>, dark: f32) {
+pub(super) fn correct(mut strip: Strip<'_>, dark: f32, samples: Option<RefinementSamples<'_>>) {
     let [rows, cols] = strip.size;
     let mut picture = Padded::keeping(SIDE, rows, cols);
     let mut ready = strip.rows.start.saturating_sub(REACH);
@@ -40,7 +47,7 @@ pub(super) fn correct(mut strip: Strip<'_>, dark: f32) {
             ready += 1;
         }
         if let Some(out) = strip.line_mut(row) {
-            dispatch(Row { picture: &picture, row, dark, scratch: &mut scratch, out });
+            dispatch(Row { picture: &picture, row, dark, samples, scratch: &mut scratch, out });
         }
     }
 }
@@ -58,6 +65,11 @@ struct Scratch {
     /// Means of Y over every column, and over 3 rows of it.
     around: Vec<f32>,
     near: Vec<f32>,
+    /// Responses of a row, and of the row that is corrected.
+    responses: Vec<f32>,
+    own: Vec<f32>,
+    /// Sums over every column of Y and of responses, each relative to both together, of samples that see one row of the tile.
+    shares_of_light: [Vec<f32>; 2],
 }
 
 /// The greater number; `a` if `b` is none.
@@ -141,6 +153,18 @@ fn total(lines: [&Vector; SIDE]) -> Vector {
     sums
 }
 
+/// The sums of the lines that see the same column of a tile as the one in the middle.
+#[inline(always)]
+fn of_tile(lines: [&Vector; SIDE], tile_cols: usize) -> Vector {
+    let mut sums = [0.0; LANES];
+    for line in lines.into_iter().skip(REACH % tile_cols).step_by(tile_cols) {
+        for (sum, v) in sums.iter_mut().zip(line) {
+            *sum += v;
+        }
+    }
+    sums
+}
+
 /// Means with weights 1, 2, 1 of the three lines in the middle, of which negative values count as 0.
 #[inline(always)]
 fn nearest(lines: [&Vector; SIDE]) -> Vector {
@@ -178,6 +202,7 @@ struct Row<'a> {
     picture: &'a Padded,
     row: usize,
     dark: f32,
+    samples: Option<RefinementSamples<'a>>,
     scratch: &'a mut Scratch,
     out: [&'a mut [f32]; 3],
 }
@@ -233,6 +258,41 @@ impl<'a> Row<'a> {
         Some(())
     }
 
+    /// Computes the responses of the row, and the sums over every column of Y and of responses.
+    #[inline(always)]
+    fn responses(&mut self, samples: RefinementSamples<'_>, padded: usize) -> Option<()> {
+        let [rows, cols] = samples.size();
+        let (lines, scratch) = (self.lines(1), &mut *self.scratch);
+        // Samples beyond the image do not count.
+        scratch.responses.clear();
+        scratch.responses.resize(padded + LANES, CLIPPED);
+        for sums in &mut scratch.shares_of_light {
+            sums.clear();
+            sums.resize(padded + LANES, 0.0);
+        }
+        let [lights, responses] = &mut scratch.shares_of_light;
+        let [tile_rows, _] = samples.tile();
+        for (down, line) in lines.iter().enumerate().skip(REACH % tile_rows).step_by(tile_rows) {
+            let Some(row) = (self.row + down).checked_sub(REACH).filter(|row| *row < rows) else { continue };
+            samples.read_row(row, scratch.responses.get_mut(REACH..REACH + cols)?);
+            for at in (0..padded + LANES).step_by(LANES) {
+                let [y, response]: [&Vector; 2] = [values(line, at)?, values(&scratch.responses, at)?];
+                let lights = values_mut::<f32, LANES>(lights, at)?;
+                let responses = values_mut::<f32, LANES>(responses, at)?;
+                for i in 0..LANES {
+                    let (y, response) = (greater(0.0, y[i]), response[i]);
+                    let weight = 1.0 / (y + response + self.dark);
+                    lights[i] += if response < 0.0 { 0.0 } else { weight * y };
+                    responses[i] += if response < 0.0 { 0.0 } else { weight * response };
+                }
+            }
+            if down == REACH {
+                scratch.own.clone_from(&scratch.responses);
+            }
+        }
+        Some(())
+    }
+
     /// Corrects the pixels whose share is above 0.
     #[inline(always)]
     fn correct(&mut self, cols: usize) -> Option<()> {
@@ -249,10 +309,23 @@ impl<'a> Row<'a> {
             }
             let [weights, sum_x, sum_y, sum_z] = sums;
             let (around, near) = (weighted(along(&scratch.around, at)?), nearest(along(&scratch.near, at)?));
+            let (mut own, mut of_response) = ([CLIPPED; LANES], [[0.0; LANES]; 2]);
+            if let Some(samples) = self.samples {
+                own = *values(&scratch.own, at + REACH)?;
+                for (sums, columns) in of_response.iter_mut().zip(&scratch.shares_of_light) {
+                    *sums = of_tile(along(columns, at)?, samples.tile()[1]);
+                }
+            }
             let here = at..(at + LANES).min(cols);
             for (i, col) in here.enumerate() {
                 let least = greater(LEAST[0] * near[i], LEAST[1] * around[i]);
-                let light = greater(y[col], least);
+                let mut light = greater(y[col], least);
+                let [lights, responses] = [of_response[0][i], of_response[1][i]];
+                if own[i] >= 0.0 && responses > 0.0 {
+                    let given = own[i] * (lights / responses);
+                    let given = greater(lesser(given, OF_RESPONSE[1] * light), OF_RESPONSE[0] * light);
+                    light = 0.5 * (light + given);
+                }
                 // Negative Y may cancel what a mean has of light.
                 let of_color = greater(sum_x[i] * (1.0 / MOST[0]), sum_z[i] * (1.0 / MOST[1]));
                 let factor = light / greater(greater(sum_y[i], self.dark * weights[i]), of_color);
@@ -275,12 +348,15 @@ impl Kernel for Row<'_> {
     fn run(mut self) {
         let cols = self.out[1].len();
         let padded = cols.next_multiple_of(LANES);
-        let Scratch { brightest, darkest, shares, sums: [weights, x, y, z], around, near } =
+        let Scratch { brightest, darkest, shares, sums: [weights, x, y, z], around, near, .. } =
             &mut *self.scratch;
         for plane in [brightest, darkest, shares, weights, x, y, z, around, near] {
             plane.resize(padded + LANES, 0.0);
         }
-        if self.shares(padded) == Some(true) && self.columns(padded).is_some() {
+        if self.shares(padded) != Some(true) || self.columns(padded).is_none() {
+            return;
+        }
+        if self.samples.is_none_or(|samples| self.responses(samples, padded).is_some()) {
             self.correct(cols);
         }
     }

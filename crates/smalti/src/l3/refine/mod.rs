@@ -11,7 +11,7 @@
 //! 3. The output is linear in the pixel's neighbourhood in the picture, in the five smooth colours and in roots of products of the channels of
 //!    one of them, which correct what is not linear in colour ([`inputs`], [`roots`], [`products`]). The kernels of each class minimise the squared error over the training pictures, in closed form from streamed moments ([`RefinementStatistics`]).
 //!    In uniform areas they pass on no pattern with the period of the mosaic's tile ([`tile_pattern`]).
-//! 4. [`highlights`] corrects pixels beside light that is many times as bright.
+//! 4. [`highlights`] corrects pixels beside light that is many times as bright, and compares their Y with the [`samples`] of the raw image.
 //!
 //! [dammertz2010]: https://doi.org/10.2312/EGGH/HPG10/067-075
 
@@ -26,6 +26,7 @@ mod polynomial;
 mod products;
 mod refinement;
 mod roots;
+mod samples;
 mod stages;
 mod statistics;
 mod strips;
@@ -41,12 +42,13 @@ pub use pictures::{REFINEMENT_LANES, RefinementPicture};
 pub use polynomial::Polynomial;
 pub use refinement::{REFINEMENT_INPUTS, REFINEMENT_LINEAR_INPUTS, Refinement, RefinementClass};
 pub use roots::REFINEMENT_RGB_FROM_XYZ;
+pub use samples::RefinementSamples;
 pub use statistics::{REFINEMENT_REVISION, RefinementStatistics};
 
 pub(super) use pictures::multiply_adds;
 
 /// Revision of the pictures that the second stage renders with given kernels. Scores in a cache depend on it as well as on [`REFINEMENT_REVISION`], kernels do not.
-pub const REFINEMENT_RENDERING_REVISION: u32 = 5;
+pub const REFINEMENT_RENDERING_REVISION: u32 = 6;
 /// Distance of the farthest pixel of the picture of the first stage on which an output depends.
 pub(super) const REACH: usize = stages::REACH + highlights::REACH;
 /// Distance, in rows and columns, of the farthest pixel of the refined picture on which the correction beside highlights depends.

@@ -8,6 +8,7 @@ use super::highlights::{self, correct};
 use super::inputs::{COUNT, LINEAR, OUTPUTS};
 use super::layout::{Kernels, RowInputs, arranged, weights_of};
 use super::products::products;
+use super::samples::RefinementSamples;
 use super::stages::{ROWS_BEYOND, RollingStages, copy_row};
 use super::strips::{Strip, each_strip};
 use crate::numeric::Planes;
@@ -93,16 +94,22 @@ impl Refinement {
         &self.offsets
     }
 
-    /// Refines a picture of the first stage in place. Results have the same bits for any number of threads and any instruction set.
+    /// Refines a picture of the first stage in place. Beside highlights, it compares Y with `samples`, those of the raw image that the picture was rendered
+    /// from, if they are given ([`Pipeline::refinement_samples`](super::super::Pipeline::refinement_samples)). Results have the same bits for any number of threads and any instruction set.
     ///
     /// # Errors
-    /// When it does not have the three planes X, Y, Z.
-    pub fn apply(&self, picture: &mut Planes) -> Result<(), L3Error> {
+    /// When it does not have the three planes X, Y, Z, or another size than the raw image.
+    pub fn apply(&self, picture: &mut Planes, samples: Option<RefinementSamples<'_>>) -> Result<(), L3Error> {
         if picture.count() != OUTPUTS {
             return Err(L3Error::NotAPicture(picture.count()));
         }
+        let size = [picture.rows(), picture.cols()];
+        if let Some(got) = samples.map(|samples| samples.size()).filter(|got| *got != size) {
+            return Err(L3Error::PairSize { what: "the picture to refine", size: got, got: size });
+        }
         each_strip(picture, ROWS_BEYOND, |strip| self.refine(strip));
-        each_strip(picture, highlights::REACH, |strip| correct(strip, self.axes.dark_noise()));
+        let dark = self.axes.dark_noise();
+        each_strip(picture, highlights::REACH, |strip| correct(strip, dark, samples));
         Ok(())
     }
 

@@ -95,7 +95,7 @@ fn a_uniform_picture_is_one_class_and_stays_uniform() {
     let refinement = learned(1..7).solve([1, 1]).unwrap();
     for value in [0.0, 0.01, 0.1, 0.5, 1.2] {
         let mut picture = planes(40, 50, |p, _, _| value * (0.9 + 0.1 * p as f32));
-        refinement.apply(&mut picture).unwrap();
+        refinement.apply(&mut picture, None).unwrap();
         for plane in picture.planes() {
             assert!(plane.iter().all(|v| *v == plane[0]), "{value}");
         }
@@ -139,7 +139,7 @@ fn a_learned_stage_reduces_the_error_of_unseen_pictures() {
     let target = tiles(120, 130, 24, 100);
     let picture = noisy(&target, 101);
     let mut refined = picture.clone();
-    refinement.apply(&mut refined).unwrap();
+    refinement.apply(&mut refined, None).unwrap();
     let gain = mean_square(&picture, &target) / mean_square(&refined, &target);
     assert!(gain > 10.0, "{gain}");
 }
@@ -151,7 +151,7 @@ fn any_number_of_threads_and_any_instruction_set_give_the_same_bits() {
     let picture = noisy(&tiles(70, 83, 9, 3), 4);
     let render = || {
         let mut refined = picture.clone();
-        refinement.apply(&mut refined).unwrap();
+        refinement.apply(&mut refined, None).unwrap();
         refined
     };
     let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
@@ -189,7 +189,7 @@ fn without_enough_pixels_a_picture_stays_as_it_is() {
     assert!(refinement.classes().iter().all(|c| !c.is_learned));
     let picture = lifted(&noisy(&target, 2));
     let mut refined = picture.clone();
-    refinement.apply(&mut refined).unwrap();
+    refinement.apply(&mut refined, None).unwrap();
     assert_eq!(refined, picture);
 }
 
@@ -209,7 +209,7 @@ fn what_cannot_be_refined_is_refused() {
         other => panic!("{other:?}"),
     }
     assert_eq!(statistics.count(), 0);
-    assert_eq!(statistics.solve([1, 1]).unwrap().apply(&mut two.clone()), Err(L3Error::NotAPicture(2)));
+    assert_eq!(statistics.solve([1, 1]).unwrap().apply(&mut two.clone(), None), Err(L3Error::NotAPicture(2)));
     for noise in [[0.0, 1e-4, 0.0], [1e-4, -1.0, 0.0], [1e-4, 0.0, f32::NAN]] {
         assert!(RefinementAxes::new(axes().levels().clone(), noise).is_err(), "{noise:?}");
     }
@@ -227,9 +227,9 @@ fn strips_have_no_seams() {
         Planes::new(from.len(), cols, 3, lines.copied().collect()).unwrap()
     };
     let mut alone = part(&picture, 400..660);
-    refinement.apply(&mut alone).unwrap();
+    refinement.apply(&mut alone, None).unwrap();
     let mut whole = picture;
-    refinement.apply(&mut whole).unwrap();
+    refinement.apply(&mut whole, None).unwrap();
     assert_eq!(part(&whole, 440..620), part(&alone, 40..220));
 }
 
@@ -261,8 +261,8 @@ fn integers_refine_as_single_precision_does() {
         let target = scaled(tiles(121, 130, 24, seed));
         let picture = noisy(&target, seed + 1);
         let (mut float, mut integers) = (picture.clone(), picture);
-        refinement.apply(&mut float).unwrap();
-        fixed.apply_to(&mut integers);
+        refinement.apply(&mut float, None).unwrap();
+        fixed.apply_to(&mut integers, None);
         let db = crate::l3::peak_ratio_db(&float, &integers).unwrap();
         let loss = 10.0 * (mean_square(&integers, &target) / mean_square(&float, &target)).log10();
         println!("light {light}: {db:.1} dB, a loss of {loss:.4} dB");
@@ -284,11 +284,11 @@ fn integers_saturate_and_do_not_overflow() {
         _ => random.next_u32() as i32 >> 9,
     };
     let mut picture: Vec<i32> = (0..3 * rows * cols).map(|_| extreme(&mut random)).collect();
-    fixed.apply(&mut picture, rows, cols);
+    fixed.apply(&mut picture, rows, cols, None);
     assert!(picture.iter().all(|v| v.abs() <= FixedRefinement::MOST));
     for value in [0, 9_000, 1 << FixedRefinement::PLACES, i32::MAX] {
         let mut uniform = vec![value; 3 * rows * cols];
-        fixed.apply(&mut uniform, rows, cols);
+        fixed.apply(&mut uniform, rows, cols, None);
         for plane in uniform.chunks(rows * cols) {
             assert!(plane.iter().all(|v| *v == plane[0]), "{value}");
         }
@@ -336,7 +336,7 @@ fn rendering_and_training_read_the_same_inputs() {
         let offsets = vec![0.0; axes.count() * 3];
         let picks = Refinement::new(axes.clone(), classes.clone(), weights, offsets).unwrap();
         let mut found = picture.clone();
-        picks.apply(&mut found).unwrap();
+        picks.apply(&mut found, None).unwrap();
         let mut read = [0.0; REFINEMENT_INPUTS];
         for (pixel, value) in found.data().iter().enumerate().take(19 * 37) {
             super::inputs::Lines::of(&stages, pixel / 37).read(pixel % 37, &mut read);
@@ -394,7 +394,7 @@ fn colours_are_corrected_beyond_a_matrix() {
     let target = tiles(96, 96, 24, 99);
     let mut picture = bent(&target);
     let before = mean_square(&picture, &target);
-    refinement.apply(&mut picture).unwrap();
+    refinement.apply(&mut picture, None).unwrap();
     let after = mean_square(&picture, &target);
     assert!(after < 0.05 * before, "{after} {before}");
 }

@@ -20,7 +20,7 @@ pub use fixed::FixedKernels;
 pub use index::OutsideCounts;
 
 use super::classify::Classifier;
-use super::refine::{FixedRefinement, REACH};
+use super::refine::{FixedRefinement, REACH, RefinementSamples};
 use super::statistics::{check_size, listed, phase_in};
 use super::{L3Error, Pipeline, Refinement};
 use crate::color::{ColorSpace, Image};
@@ -64,7 +64,8 @@ impl Renderer<'_> {
         let phase = check(self.0.pipeline, raw, planes)?;
         let outside = self.0.render(raw, &(), phase, planes);
         if let Some(refinement) = self.0.pipeline.refinement() {
-            refinement.apply(planes)?;
+            let samples = RefinementSamples::of(raw, self.0.pipeline.axes());
+            refinement.apply(planes, Some(samples))?;
         }
         Ok(outside)
     }
@@ -103,7 +104,8 @@ impl FixedRenderer<'_> {
         let digital = Digital::new(samples, raw.cols(), &self.kernels);
         let outside = self.engine.render(raw, &digital, phase, planes);
         if let Some(refinement) = &self.refinement {
-            refinement.apply_to(planes);
+            let samples = RefinementSamples::of(raw, self.engine.pipeline.axes());
+            refinement.apply_to(planes, Some(samples));
         }
         Ok(outside)
     }
@@ -116,6 +118,15 @@ impl Pipeline {
     /// [`L3Error::RawLevels`].
     pub fn ensure_levels(&self, black_and_white: [f64; 2]) -> Result<(), L3Error> {
         check_levels(self, black_and_white)
+    }
+
+    /// The samples of a raw image, with which the second stage compares Y beside highlights.
+    ///
+    /// # Errors
+    /// As for [`Pipeline::render_raw`].
+    pub fn refinement_samples<'a>(&self, raw: &'a RawImage) -> Result<RefinementSamples<'a>, L3Error> {
+        check_image(self, raw)?;
+        Ok(RefinementSamples::of(raw, self.axes()))
     }
 
     /// Renders a raw image in single precision: one plane per output.

@@ -48,7 +48,7 @@ static inline int @p@_image(const @p@_raw *raw, @number@ *out, @number@ *work)
         for (col = 0; row >= @P@_CORRECTED_REACH && col < raw->cols; col++) {
             const size_t at = (size_t)(row - @P@_CORRECTED_REACH) * (size_t)raw->cols + (size_t)col;
             @number@ pixel[3];
-            @p@_corrected(&refined, row - @P@_CORRECTED_REACH, col, pixel);
+            @p@_corrected(raw, &refined, row - @P@_CORRECTED_REACH, col, pixel);
             for (o = 0; o < 3; o++)
                 out[(size_t)o * plane + at] = pixel[o];
         }

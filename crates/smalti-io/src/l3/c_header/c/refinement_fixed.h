@@ -172,10 +172,41 @@ static inline void @p@_refined_pixel(const @p@_picture pictures[@P@_PICTURES], i
     }
 }
 
+/* The Y that the sample of a pixel gives, from Y and responses of the samples around it that see the same cell of the tile:
+   at least half of `light` and at most twice as much. Without such samples, or where it is clipped, it is `light`. */
+static inline int64_t @p@_given(const @p@_raw *raw, const @p@_picture *p, int32_t row, int32_t col, int64_t light)
+{
+    const int32_t down = 4 / @P@_TILE_ROWS * @P@_TILE_ROWS, right = 4 / @P@_TILE_COLS * @P@_TILE_COLS;
+    int64_t own = -1, lights = 0, responses = 0, given;
+    int32_t r, c;
+    for (r = row - down; r <= row + down; r += @P@_TILE_ROWS)
+        for (c = col - right; c <= col + right; c += @P@_TILE_COLS) {
+            int64_t response, y, total;
+            int32_t sample;
+            if (r < 0 || r >= raw->rows || c < 0 || c >= raw->cols)
+                continue;
+            sample = @p@_sample(raw, r, c);
+            if ((uint32_t)sample >= @P@_CLIP)
+                continue;
+            response = sample > @P@_BLACK ? ((sample - @P@_BLACK) * @P@_RESPONSE) >> 16 : 0;
+            if (r == row && c == col)
+                own = response;
+            y = @p@_light(p, r, c);
+            total = y + response + @P@_DARK;
+            lights += (y << 14) / total;
+            responses += (response << 14) / total;
+        }
+    if (own < 0 || responses == 0)
+        return light;
+    given = own * lights / responses;
+    given = given < light / 2 ? light / 2 : given;
+    return given > 2 * light ? 2 * light : given;
+}
+
 /* A pixel of the refined picture. Beside light that is many times as bright it has the mean colour of the light around it,
    in which light near saturation counts less and X and Z are at most 3 and 16 times Y, at least half of the mean Y of its
-   neighbours and at least a quarter of the mean Y around it. */
-static inline void @p@_corrected(const @p@_picture *p, int32_t row, int32_t col, int32_t out[3])
+   neighbours and at least a quarter of the mean Y around it, and goes halfway to the Y that its own sample gives. */
+static inline void @p@_corrected(const @p@_raw *raw, const @p@_picture *p, int32_t row, int32_t col, int32_t out[3])
 {
     /* By distance: right shifts of Y, and left shifts of Y and noise, in the contrast. */
     static const int8_t falls[5] = { 0, 0, 0, 1, 2 };
@@ -222,6 +253,7 @@ static inline void @p@_corrected(const @p@_picture *p, int32_t row, int32_t col,
     light = around / (1 << 18);
     light = nearby > light ? nearby : light;
     light = out[1] > light ? out[1] : light;
+    light = (light + @p@_given(raw, p, row, col, light)) / 2;
     total = (@P@_DARK * sums[3]) >> 8;
     total = sums[1] > total ? sums[1] : total;
     total = sums[0] / 3 > total ? sums[0] / 3 : total;

@@ -138,10 +138,44 @@ static inline float @p@_weighted(const float v[9])
          + (v[1] + v[7]) * (8.0f / 256.0f) + (v[0] + v[8]) * (1.0f / 256.0f);
 }
 
+/* The Y that the sample of a pixel gives, from Y and responses of the samples around it that see the same cell of the tile:
+   at least half of `light` and at most twice as much. Without such samples, or where it is clipped, it is `light`. */
+static inline float @p@_given(const @p@_raw *raw, const @p@_picture *p, int32_t row, int32_t col, float light)
+{
+    const int32_t down = 4 / @P@_TILE_ROWS * @P@_TILE_ROWS, right = 4 / @P@_TILE_COLS * @P@_TILE_COLS;
+    float own = -1.0f, lights = 0.0f, responses = 0.0f, given;
+    int32_t r, c;
+    for (c = col - right; c <= col + right; c += @P@_TILE_COLS) {
+        float of_column[2] = { 0.0f, 0.0f };
+        for (r = row - down; r <= row + down; r += @P@_TILE_ROWS) {
+            float response, y, weight;
+            if (r < 0 || r >= raw->rows || c < 0 || c >= raw->cols)
+                continue;
+            response = @p@_value(raw, r, c);
+            if (response >= @P@_CLIP)
+                continue;
+            response = response > 0.0f ? response : 0.0f;
+            if (r == row && c == col)
+                own = response;
+            y = @p@_light(p, r, c);
+            weight = 1.0f / (y + response + @P@_DARK);
+            of_column[0] += weight * y;
+            of_column[1] += weight * response;
+        }
+        lights += of_column[0];
+        responses += of_column[1];
+    }
+    if (!(own >= 0.0f && responses > 0.0f))
+        return light;
+    given = own * (lights / responses);
+    given = given > 2.0f * light ? 2.0f * light : given;
+    return given < 0.5f * light ? 0.5f * light : given;
+}
+
 /* A pixel of the refined picture. Beside light that is many times as bright it has the mean colour of the light around it,
    in which light near saturation counts less and X and Z are at most 3 and 16 times Y, at least half of the mean Y of its
-   neighbours and at least a quarter of the mean Y around it. */
-static inline void @p@_corrected(const @p@_picture *p, int32_t row, int32_t col, float out[3])
+   neighbours and at least a quarter of the mean Y around it, and goes halfway to the Y that its own sample gives. */
+static inline void @p@_corrected(const @p@_raw *raw, const @p@_picture *p, int32_t row, int32_t col, float out[3])
 {
     /* Weights of light in the contrast, by distance. The Y of dark pixels is divided by them. */
     static const float falls[5] = { 1.0f, 1.0f, 1.0f, 0.5f, 0.25f };
@@ -188,6 +222,7 @@ static inline void @p@_corrected(const @p@_picture *p, int32_t row, int32_t col,
     nearby = (columns[0] + columns[2] + 2.0f * columns[1]) * 0.25f;
     light = 0.25f * around > 0.5f * nearby ? 0.25f * around : 0.5f * nearby;
     light = out[1] > light ? out[1] : light;
+    light = 0.5f * (light + @p@_given(raw, p, row, col, light));
     factor = sums[1] < @P@_DARK * sums[3] ? @P@_DARK * sums[3] : sums[1];
     factor = sums[0] * (1.0f / 3.0f) > factor ? sums[0] * (1.0f / 3.0f) : factor;
     factor = sums[2] * (1.0f / 16.0f) > factor ? sums[2] * (1.0f / 16.0f) : factor;

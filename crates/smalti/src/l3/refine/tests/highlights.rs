@@ -3,18 +3,61 @@
 use super::super::highlights::{CONTRASTS, REACH, correct};
 use super::super::strips::each_strip;
 use super::*;
+use crate::l3::Axes;
 use crate::numeric::mirror::about_outermost;
+use crate::sensor::{Mosaic, RawImage, RawSamples, Sampling, SignalNoise};
 
 const DARK: f32 = 0.001;
+/// Levels of raw images, digital numbers, and the response from which they count as clipped.
+const LEVELS: [f64; 2] = [100.0, 4100.0];
+const CLIP: f64 = 0.9;
 
 fn corrected(picture: &Planes) -> Planes {
+    compared(picture, None)
+}
+
+fn compared(picture: &Planes, samples: Option<RefinementSamples<'_>>) -> Planes {
     let mut out = picture.clone();
-    each_strip(&mut out, REACH, |strip| correct(strip, DARK));
+    each_strip(&mut out, REACH, |strip| correct(strip, DARK, samples));
     out
 }
 
-/// The definition, in double precision and pixel by pixel.
-fn definition(picture: &Planes, row: usize, col: usize) -> [f64; 3] {
+/// A raw image of a mosaic, whose responses are rounded to digital numbers, and the axes of its tile.
+fn seen(
+    tile: [usize; 2],
+    [rows, cols]: [usize; 2],
+    response: impl Fn(usize, usize) -> f32,
+) -> (RawImage, Axes) {
+    let cells = (0..(tile[0] * tile[1]) as u8).collect();
+    let mosaic = Mosaic::new(tile[0], tile[1], cells).unwrap();
+    let names = (0..tile[0] * tile[1]).map(|i| format!("c{i}")).collect();
+    let [black, white] = LEVELS;
+    let sample =
+        |i: usize| (f64::from(response(i / cols, i % cols)) * (white - black) + black).round() as u16;
+    let samples = RawSamples::Digital((0..rows * cols).map(sample).collect());
+    let sampling = Sampling::Mosaic(mosaic.clone());
+    let raw = RawImage::new(rows, cols, samples, sampling, names, black, white).unwrap();
+    let axes = Axes::new(mosaic, 3, axes().levels().clone(), SignalNoise::default()).unwrap();
+    (raw, axes.with_clip(CLIP).unwrap())
+}
+
+/// The samples of a picture of lamps: some proportion of its Y that depends on the cell of the tile, and some light that the picture lacks.
+fn seen_lamps(tile: [usize; 2], picture: &Planes) -> (RawImage, Axes) {
+    let cols = picture.cols();
+    seen(tile, [picture.rows(), cols], |r, c| {
+        let y = picture.data()[(picture.rows() + r) * cols + c].max(0.0);
+        let cell = (r % tile[0] * tile[1] + c % tile[1]) as f32;
+        y * (0.3 + 0.2 * cell) + 0.01 * Stream::new(11, (r * cols + c) as u32, 1).uniform() as f32
+    })
+}
+
+/// The definition, in double precision and pixel by pixel. Responses are those of the samples, and the tile is that of their mosaic.
+fn definition(
+    picture: &Planes,
+    row: usize,
+    col: usize,
+    samples: Option<(&RawImage, [usize; 2])>,
+) -> [f64; 3] {
     let at = |plane: usize, down: isize, right: isize| {
         let r = about_outermost(row as isize + down, picture.rows());
         let c = about_outermost(col as isize + right, picture.cols());
@@ -40,7 +83,23 @@ fn definition(picture: &Planes, row: usize, col: usize) -> [f64; 3] {
         .flat_map(|r: isize| (-1..=1).map(move |c: isize| (r, c)))
         .map(|(r, c)| f64::from(1 << (2 - r.abs() - c.abs())) / 16.0 * at(1, r, c).max(0.0))
         .sum();
-    let light = at(1, 0, 0).max(near / 2.0).max(mean / 4.0);
+    let mut light = at(1, 0, 0).max(near / 2.0).max(mean / 4.0);
+    if let Some((raw, tile)) = samples {
+        let responses = raw.normalized();
+        let response = |down: isize, right: isize| {
+            let [r, c] = [row.checked_add_signed(down)?, col.checked_add_signed(right)?];
+            let response = *responses.get(r * raw.cols() + c).filter(|_| c < raw.cols())?;
+            (f64::from(response) < CLIP).then(|| f64::from(response).max(0.0))
+        };
+        let in_step = |at: isize, period: usize| at % period as isize == 0;
+        let of_cell = around().filter(|&(r, c)| in_step(r, tile[0]) && in_step(c, tile[1]));
+        let pairs = of_cell.filter_map(|(r, c)| Some((at(1, r, c).max(0.0), response(r, c)?)));
+        let parts = pairs.map(|(y, response)| [y, response].map(|v| v / (y + response + f64::from(DARK))));
+        let [lights, responses] = parts.fold([0.0; 2], |[a, b], [c, d]| [a + c, b + d]);
+        if let Some(own) = response(0, 0).filter(|_| responses > 0.0) {
+            light = (light + (own * lights / responses).clamp(light / 2.0, 2.0 * light)) / 2.0;
+        }
+    }
     let ratio = |plane| sum(plane).max(0.0) / sum(1).max(least);
     let goal = [ratio(0) * light, light, ratio(2) * light];
     std::array::from_fn(|plane| at(plane, 0, 0) + share * (goal[plane] - at(plane, 0, 0)))
@@ -62,16 +121,28 @@ fn lamps(rows: usize, cols: usize, seed: u64) -> Planes {
 fn the_correction_is_its_definition() {
     for (rows, cols) in [(1, 1), (1, 9), (7, 1), (3, 4), (20, 21), (41, 130)] {
         let picture = lamps(rows, cols, (rows * cols) as u64);
-        let (found, mut changed) = (corrected(&picture), 0);
-        for (r, c) in (0..rows).flat_map(|r| (0..cols).map(move |c| (r, c))) {
-            for (plane, expected) in definition(&picture, r, c).into_iter().enumerate() {
-                let at = (plane * rows + r) * cols + c;
-                let far = (f64::from(found.data()[at]) - expected).abs();
-                assert!(far < 1e-5 * (1.0 + expected.abs()), "{rows} × {cols}: {r} {c} {plane}: {far}");
-                changed += usize::from(found.data()[at] != picture.data()[at]);
+        let without = corrected(&picture);
+        for tile in [None, Some([1, 1]), Some([2, 2]), Some([3, 2]), Some([4, 4]), Some([5, 6])] {
+            let seen = tile.map(|tile| (seen_lamps(tile, &picture), tile));
+            let samples = seen.as_ref().map(|((raw, axes), _)| RefinementSamples::of(raw, axes));
+            let found = compared(&picture, samples);
+            let (mut changed, mut differ) = (0, 0);
+            let seen = seen.as_ref().map(|((raw, _), tile)| (raw, *tile));
+            for (r, c) in (0..rows).flat_map(|r| (0..cols).map(move |c| (r, c))) {
+                for (plane, expected) in definition(&picture, r, c, seen).into_iter().enumerate() {
+                    let at = (plane * rows + r) * cols + c;
+                    let far = (f64::from(found.data()[at]) - expected).abs();
+                    assert!(
+                        far < 1e-5 * (1.0 + expected.abs()),
+                        "{rows} × {cols} {tile:?}: {r} {c} {plane}: {far}"
+                    );
+                    changed += usize::from(found.data()[at] != picture.data()[at]);
+                    differ += usize::from(found.data()[at] != without.data()[at]);
+                }
             }
+            assert!(rows * cols < 400 || changed > rows * cols / 4, "{changed}");
+            assert!(rows * cols < 400 || tile.is_none() || differ > rows * cols / 4, "{tile:?}: {differ}");
         }
-        assert!(rows * cols < 400 || changed > rows * cols / 4, "{changed}");
     }
 }
 
@@ -107,6 +178,38 @@ fn a_lamp_has_neither_coloured_nor_dark_dots() {
     let [before, after] = [worst(&picture), worst(&corrected(&picture))];
     assert!(before[0] > 3.0 && before[1] < 0.0, "{before:?}");
     assert!(after[0] < 0.15 && after[1] > 0.3, "{after:?}");
+}
+
+/// Errors of Y beside a lamp, which differ among pixels that see the same cell of the tile, become a third smaller where the samples of the pixels
+/// show its glow.
+#[test]
+fn samples_show_the_glow_of_a_lamp() {
+    let far = |r: usize, c: usize| ((r as f32 - 20.3).powi(2) + (c as f32 - 20.1).powi(2)).sqrt();
+    let light = |r, c| 0.002 + if far(r, c) < 4.0 { 0.4 } else { 0.4 * (1.5 * (4.0 - far(r, c))).exp() };
+    let picture = planes(41, 41, |_, r, c| {
+        let sign = if (r / 2 + c / 2) % 2 == 0 { 1.0 } else { -1.0 };
+        light(r, c) * if far(r, c) < 8.0 { 1.0 + 0.4 * sign } else { 1.0 }
+    });
+    let (raw, axes) = seen([2, 2], [41, 41], |r, c| light(r, c) * [0.5, 1.0, 0.8, 0.3][r % 2 * 2 + c % 2]);
+    let found = compared(&picture, Some(RefinementSamples::of(&raw, &axes)));
+    let worst = |picture: &Planes| {
+        let places = (0..41).flat_map(|r| (0..41).map(move |c| (r, c)));
+        let glow = places.filter(|&(r, c)| (4.0..7.0).contains(&far(r, c)));
+        let wrong = glow.map(|(r, c)| picture.data()[(41 + r) * 41 + c] / light(r, c) - 1.0);
+        wrong.map(f32::abs).fold(0.0, f32::max)
+    };
+    let [without, with] = [&corrected(&picture), &found].map(worst);
+    assert!(without > 0.3 && with < 0.7 * without, "{without} {with}");
+}
+
+/// A raw image of another size is refused.
+#[test]
+fn samples_are_those_of_the_picture() {
+    let (raw, axes) = seen([2, 2], [41, 40], |_, _| 0.1);
+    let samples = Some(RefinementSamples::of(&raw, &axes));
+    let mut picture = lamps(40, 41, 1);
+    let error = learned(0..1).solve([1, 1]).unwrap().apply(&mut picture, samples).unwrap_err();
+    assert_eq!(error.to_string(), "the raw image is 41 × 40 pixels, the picture to refine 40 × 41");
 }
 
 /// Where a yellow lamp saturates, it is rendered white. Its glow stays yellow.
@@ -157,14 +260,16 @@ fn no_ratio_of_a_mean_colour_is_vast() {
 #[test]
 fn no_bit_depends_on_strips_or_the_machine() {
     let picture = lamps(1600, 1000, 5);
+    let (raw, axes) = seen_lamps([2, 2], &picture);
+    let corrected = || compared(&picture, Some(RefinementSamples::of(&raw, &axes)));
     let threads = |count| rayon::ThreadPoolBuilder::new().num_threads(count).build().unwrap();
-    let whole = threads(1).install(|| corrected(&picture));
-    assert_eq!(threads(2).install(|| corrected(&picture)), whole);
+    let whole = threads(1).install(corrected);
+    assert_eq!(threads(2).install(corrected), whole);
     for set in [Set::Plain, Set::Avx2] {
-        assert_eq!(with_widest(set, || corrected(&picture)), whole, "{set:?}");
+        assert_eq!(with_widest(set, corrected), whole, "{set:?}");
     }
     let digest = digest(whole.data().iter().map(|v| u64::from(v.to_bits())));
-    assert_eq!(digest, 0xdcfb_5804_1130_4468, "{digest:#x}");
+    assert_eq!(digest, 0x5644_439c_3c43_2f07, "{digest:#x}");
 }
 
 /// Integers correct as single precision does, to 100 dB of the peak.
@@ -181,10 +286,13 @@ fn integers_correct_as_single_precision_does() {
     let offsets = vec![0.0; axes.count() * 3];
     let stage = Refinement::new(axes, classes, weights, offsets).unwrap();
     let picture = lamps(60, 61, 8);
-    let (mut float, mut integers) = (picture.clone(), picture.clone());
-    stage.apply(&mut float).unwrap();
-    assert_eq!(float, corrected(&picture));
-    stage.fixed().unwrap().apply_to(&mut integers);
-    let db = crate::l3::peak_ratio_db(&float, &integers).unwrap();
-    assert!(db > 100.0, "{db}");
+    let (raw, axes) = seen_lamps([3, 2], &picture);
+    for samples in [None, Some(RefinementSamples::of(&raw, &axes))] {
+        let (mut float, mut integers) = (picture.clone(), picture.clone());
+        stage.apply(&mut float, samples).unwrap();
+        assert_eq!(float, compared(&picture, samples));
+        stage.fixed().unwrap().apply_to(&mut integers, samples);
+        let db = crate::l3::peak_ratio_db(&float, &integers).unwrap();
+        assert!(db > 100.0, "{db}");
+    }
 }
