@@ -36,8 +36,9 @@ impl Header<'_> {
         let second = pipeline.refinement();
         if let Some(refinement) = second {
             self.fixed_refinement(refinement, &refinement.fixed().at(path)?, fixed.scale);
-            let factor = RefinementSamples::factor(pipeline.black_level(), pipeline.white_level());
-            self.line("/* From samples above black to responses: a factor with 16 binary places beyond those of pictures. */");
+            let [black, factor] = RefinementSamples::scale(pipeline.black_level(), pipeline.white_level());
+            self.line("/* Responses: (256 * sample - RESPONSE_BLACK) * RESPONSE / 2^24, with the binary places of pictures. */");
+            self.define("RESPONSE_BLACK", format!("INT64_C({black})"), "");
             self.define("RESPONSE", format!("INT64_C({factor})"), "");
         }
         self.code(RAW);
@@ -141,7 +142,7 @@ impl Header<'_> {
         self.define("INPUTS", REFINEMENT_INPUTS, "of a pixel");
         self.define("PLACES", FixedRefinement::PLACES, "binary places of pictures");
         self.define("MOST", FixedRefinement::MOST, "where they saturate");
-        self.define("DARK", fixed.dark, "noise at Y = 0, added to dark pixels in the contrast");
+        self.define("DARK", fixed.dark, "noise at Y = 0");
         self.define(
             "TENSOR_SHIFT",
             FixedRefinement::TENSOR_SHIFT,

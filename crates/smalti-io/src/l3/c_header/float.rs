@@ -100,7 +100,7 @@ impl Header<'_> {
         for (name, value) in ["NOISE_0", "NOISE_1", "NOISE_2"].iter().zip(axes.noise()) {
             self.define(name, float(value), "");
         }
-        self.define("DARK", float(axes.dark_noise()), "noise at Y = 0, added to dark pixels in the contrast");
+        self.define("DARK", float(axes.dark_noise()), "noise at Y = 0");
         self.line("/* Of each picture: coefficients of 1, Y, Y * Y in the difference beyond which neighbours do not count. */");
         let squares = axes.pictures().map(|p| braced(p.squares.map(float)));
         self.table("float", "squares", &format!("[{upper}_PICTURES][3]"), &squares);

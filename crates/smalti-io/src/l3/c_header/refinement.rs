@@ -39,7 +39,7 @@ impl Header<'_> {
         self.define(
             "CORRECTED_REACH",
             REFINEMENT_CORRECTED_REACH,
-            "rows around a pixel of the refined picture that its correction reads",
+            "rows around a pixel of the refined picture and of the raw image that its correction reads",
         );
         self.define(
             "WORK(cols)",

@@ -114,6 +114,10 @@ fn the_documented_refinement_refines() {
     assert_eq!(documented.len(), ours.data().len());
     let far = documented.iter().zip(ours.data()).filter(|(a, b)| (*a - f64::from(**b)).abs() > 1e-5).count();
     assert!(far * 500 < documented.len(), "{far} of {}", documented.len());
+    let mut alone = rendered.clone();
+    both.refinement().unwrap().apply(&mut alone, None).unwrap();
+    let compared = ours.data().iter().zip(alone.data()).filter(|(a, b)| (*a - *b).abs() > 1e-3).count();
+    assert!(compared > 100, "{compared}");
     let moved = ours.data().iter().zip(rendered.data()).filter(|(a, b)| (*a - *b).abs() > 1e-3).count();
     assert!(moved * 2 > documented.len(), "{moved}");
 }

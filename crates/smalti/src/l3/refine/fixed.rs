@@ -8,12 +8,12 @@ use super::highlights;
 use super::inputs::{COUNT, NEIGHBOURHOODS, OUTPUTS, ROOTS_OF};
 use super::pictures::RefinementPicture;
 use super::polynomial::Polynomial;
-use super::refinement::Refinement;
+use super::refinement::{Refinement, ensure_same_size};
 use super::roots::{fixed_rgb_from_xyz, fixed_roots};
-use super::samples::RefinementSamples;
+use super::samples::{self, RefinementSamples};
 use super::stages::{FINE, PICTURES, SCALES};
-use crate::numeric::Planes;
 use crate::numeric::mirror::about_outermost;
+use crate::numeric::{Planes, ShapeError};
 
 const PLACES: u32 = FixedRefinement::PLACES;
 const MOST: i32 = FixedRefinement::MOST;
@@ -75,7 +75,7 @@ pub struct FixedRefinement {
     /// For each picture, 2⁴⁰ times the squared difference of colours beyond which neighbours do not count (X² + 2 Y² + Z²), of Y. All zeros for
     /// pictures that are not averaged.
     pub squares: [Polynomial; PICTURES],
-    /// What is added to the Y of dark pixels in the contrast: 2²⁰ times the standard deviation of the noise of a sample at Y = 0, at least 1.
+    /// 2²⁰ times the standard deviation of the noise of a sample at Y = 0, at least 1, which the correction beside highlights adds to dark pixels.
     pub dark: i64,
     /// Red, green and blue of the roots from X, Y, Z, with 30 binary places.
     pub rgb_from_xyz: [[i64; 3]; 3],
@@ -203,26 +203,36 @@ fn bits(v: i64) -> u32 {
 
 impl FixedRefinement {
     /// Binary places of pictures: 1, the white level, is 2²⁰.
-    pub const PLACES: u32 = 20;
+    pub const PLACES: u32 = samples::PLACES;
     /// The value at which pictures saturate, 8 times white.
     pub const MOST: i32 = (1 << (Self::PLACES + 3)) - 1;
     /// Bits that sums of squares of gradients lose before they are compared with the noise.
     pub const TENSOR_SHIFT: u32 = 4;
 
     /// Refines a picture, X, Y, Z in units of 2⁻²⁰, each row by row. Values beyond ±8 are saturated. Results are the same for any number of threads.
-    /// It keeps all pictures as a whole, 69 bytes per pixel. Beside highlights, it compares Y with `samples`, as [`Refinement::apply`] does. Nothing is done where
-    /// the length is not that of three planes, or the raw image has another size.
+    /// It keeps all pictures as a whole, 69 bytes per pixel. Beside highlights, it compares Y with `samples`, as [`Refinement::apply`] does.
+    ///
+    /// # Errors
+    /// When the picture does not have three planes of this size, the size of the raw image differs, or its samples are in volts.
     pub fn apply(
         &self,
         picture: &mut [i32],
         rows: usize,
         cols: usize,
         samples: Option<RefinementSamples<'_>>,
-    ) {
-        let plane = rows * cols;
-        let is_other = samples.is_some_and(|samples| samples.size() != [rows, cols]);
-        if picture.len() != OUTPUTS * plane || plane == 0 || is_other {
-            return;
+    ) -> Result<(), L3Error> {
+        let (plane, got) = (rows * cols, picture.len());
+        if got != OUTPUTS * plane {
+            return Err(ShapeError { count: OUTPUTS, rows, cols, expected: OUTPUTS * plane, got }.into());
+        }
+        if let Some(samples) = samples {
+            ensure_same_size(samples, [rows, cols])?;
+            if !samples.is_digital() {
+                return Err(L3Error::NotDigital);
+            }
+        }
+        if plane == 0 {
+            return Ok(());
         }
         let mut pictures: [Whole; PICTURES] = Default::default();
         let source = &*picture;
@@ -233,7 +243,7 @@ impl FixedRefinement {
         });
         for index in 1..PICTURES {
             let (before, after) = pictures.split_at_mut(index);
-            let [.., from] = before else { return };
+            let [.., from] = before else { return Ok(()) };
             let [rows, cols] =
                 if self.halved[index] { [rows.div_ceil(2), cols.div_ceil(2)] } else { [rows, cols] };
             after[0] = Whole::of(rows, cols, |row, col| match self.steps[index] {
@@ -247,15 +257,21 @@ impl FixedRefinement {
         for (p, out) in picture.chunks_exact_mut(plane).enumerate() {
             out.iter_mut().zip(&corrected.data).for_each(|(out, pixel)| *out = pixel[p]);
         }
+        Ok(())
     }
 
     /// Refines a picture in single precision in place: it is rounded before and converted back.
-    pub(in super::super) fn apply_to(&self, planes: &mut Planes, samples: Option<RefinementSamples<'_>>) {
+    pub(in super::super) fn apply_to(
+        &self,
+        planes: &mut Planes,
+        samples: Option<RefinementSamples<'_>>,
+    ) -> Result<(), L3Error> {
         let (rows, cols, one) = (planes.rows(), planes.cols(), (1u32 << PLACES) as f32);
         // A conversion to an integer saturates.
         let mut whole: Vec<i32> = planes.data().iter().map(|v| (v * one).round() as i32).collect();
-        self.apply(&mut whole, rows, cols, samples);
+        self.apply(&mut whole, rows, cols, samples)?;
         planes.data_mut().iter_mut().zip(whole).for_each(|(v, w)| *v = w as f32 / one);
+        Ok(())
     }
 
     fn pixel(&self, pictures: &[Whole; PICTURES], row: isize, col: isize) -> [i32; OUTPUTS] {
@@ -328,9 +344,11 @@ impl FixedRefinement {
         let is_near = |r: isize, c: isize| r.abs() <= 1 && c.abs() <= 1;
         let near = lights().filter(|&(r, c, _)| is_near(r, c));
         let near = rounded(near.map(|(r, c, y)| y << (2 - r.abs() - c.abs())).sum(), 4);
-        let light = i64::from(own[1]).max(near >> 1).max(mean >> (BINOMIAL_PLACES + 2));
+        let least = (near >> 1).max(mean >> (BINOMIAL_PLACES + 2));
+        let light = i64::from(own[1]).max(least);
         let given = samples.and_then(|samples| self.given(refined, samples, row, col));
-        let light = given.map_or(light, |given| (light + given.max(light >> 1).min(2 * light)) >> 1);
+        let halfway = |given: i64| (light + given.max(light >> 1).min(2 * light)) >> 1;
+        let light = given.map_or(light, |given| halfway(given).max(least));
         let total = y.max((self.dark * weights) >> sum_places).max(x / MOST_OF_Y[0]).max(z / MOST_OF_Y[1]);
         let goal = [x.max(0) * light / total, light, z.max(0) * light / total];
         std::array::from_fn(|p| {
@@ -340,7 +358,7 @@ impl FixedRefinement {
     }
 
     /// The Y that the response of a pixel's own sample gives, from Y and responses of the samples around it that see the same cell of the tile. `None` where
-    /// it is clipped.
+    /// it is clipped, or there are no such samples.
     fn given(&self, refined: &Whole, samples: RefinementSamples<'_>, row: isize, col: isize) -> Option<i64> {
         let response = |row: isize, col: isize| {
             let [row, col] = [usize::try_from(row).ok()?, usize::try_from(col).ok()?];
@@ -351,6 +369,9 @@ impl FixedRefinement {
             (-(reach / len)..=reach / len).map(move |i| at + i * len)
         };
         let [tile_rows, tile_cols] = samples.tile();
+        if tile_rows.min(tile_cols) > highlights::REACH {
+            return None;
+        }
         let (mut lights, mut responses) = (0, 0);
         for row in of_tile(row, tile_rows) {
             for col in of_tile(col, tile_cols) {

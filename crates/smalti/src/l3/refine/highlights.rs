@@ -5,9 +5,8 @@
 //! Y is at least half of the mean Y of its neighbours and a quarter of the mean Y around it, in which negative Y counts as 0. Light
 //! near saturation counts less in the mean colour, because the colour of clipped light is wrong.
 //!
-//! What a mosaic does not resolve, it still samples: each pixel has one sample of its own light, which is neither negative nor that of its neighbours.
-//! Where all light has one colour, Y is in proportion to the responses of the samples that see the same cell of the tile, and so Y goes halfway to what the
-//! pixel's own response gives.
+//! Each pixel has one sample, which holds its own light even where the picture does not resolve it. Where all light has one colour, Y is in proportion to the
+//! responses of the samples that see the same cell of the tile. Y therefore goes halfway to what the pixel's own response gives.
 
 use super::super::blocks::{LANES, values, values_mut};
 use super::samples::{CLIPPED, RefinementSamples};
@@ -38,6 +37,8 @@ const OF_RESPONSE: [f32; 2] = [0.5, 2.0];
 /// Corrects a strip. `dark` is the standard deviation of the noise of a sample at Y = 0, which is added to the Y of dark pixels.
 pub(super) fn correct(mut strip: Strip<'_>, dark: f32, samples: Option<RefinementSamples<'_>>) {
     let [rows, cols] = strip.size;
+    // A larger tile has no cell twice within reach.
+    let samples = samples.filter(|samples| samples.tile().into_iter().any(|side| side <= REACH));
     let mut picture = Padded::keeping(SIDE, rows, cols);
     let mut ready = strip.rows.start.saturating_sub(REACH);
     let mut scratch = Scratch::default();
@@ -68,8 +69,8 @@ struct Scratch {
     /// Responses of a row, and of the row that is corrected.
     responses: Vec<f32>,
     own: Vec<f32>,
-    /// Sums over every column of Y and of responses, each relative to both together, of samples that see one row of the tile.
-    shares_of_light: [Vec<f32>; 2],
+    /// Sums down every column of Y and of responses, each divided by the sum of Y, response and noise, over samples that see the same row of the tile.
+    ratio_sums: [Vec<f32>; 2],
 }
 
 /// The greater number; `a` if `b` is none.
@@ -260,17 +261,17 @@ impl<'a> Row<'a> {
 
     /// Computes the responses of the row, and the sums over every column of Y and of responses.
     #[inline(always)]
-    fn responses(&mut self, samples: RefinementSamples<'_>, padded: usize) -> Option<()> {
+    fn compare(&mut self, samples: RefinementSamples<'_>, padded: usize) -> Option<()> {
         let [rows, cols] = samples.size();
         let (lines, scratch) = (self.lines(1), &mut *self.scratch);
         // Samples beyond the image do not count.
         scratch.responses.clear();
         scratch.responses.resize(padded + LANES, CLIPPED);
-        for sums in &mut scratch.shares_of_light {
+        for sums in &mut scratch.ratio_sums {
             sums.clear();
             sums.resize(padded + LANES, 0.0);
         }
-        let [lights, responses] = &mut scratch.shares_of_light;
+        let [lights, responses] = &mut scratch.ratio_sums;
         let [tile_rows, _] = samples.tile();
         for (down, line) in lines.iter().enumerate().skip(REACH % tile_rows).step_by(tile_rows) {
             let Some(row) = (self.row + down).checked_sub(REACH).filter(|row| *row < rows) else { continue };
@@ -312,7 +313,7 @@ impl<'a> Row<'a> {
             let (mut own, mut of_response) = ([CLIPPED; LANES], [[0.0; LANES]; 2]);
             if let Some(samples) = self.samples {
                 own = *values(&scratch.own, at + REACH)?;
-                for (sums, columns) in of_response.iter_mut().zip(&scratch.shares_of_light) {
+                for (sums, columns) in of_response.iter_mut().zip(&scratch.ratio_sums) {
                     *sums = of_tile(along(columns, at)?, samples.tile()[1]);
                 }
             }
@@ -322,9 +323,9 @@ impl<'a> Row<'a> {
                 let mut light = greater(y[col], least);
                 let [lights, responses] = [of_response[0][i], of_response[1][i]];
                 if own[i] >= 0.0 && responses > 0.0 {
-                    let given = own[i] * (lights / responses);
+                    let given = own[i] * lights / responses;
                     let given = greater(lesser(given, OF_RESPONSE[1] * light), OF_RESPONSE[0] * light);
-                    light = 0.5 * (light + given);
+                    light = greater(0.5 * (light + given), least);
                 }
                 // Negative Y may cancel what a mean has of light.
                 let of_color = greater(sum_x[i] * (1.0 / MOST[0]), sum_z[i] * (1.0 / MOST[1]));
@@ -356,7 +357,7 @@ impl Kernel for Row<'_> {
         if self.shares(padded) != Some(true) || self.columns(padded).is_none() {
             return;
         }
-        if self.samples.is_none_or(|samples| self.responses(samples, padded).is_some()) {
+        if self.samples.is_none_or(|samples| self.compare(samples, padded).is_some()) {
             self.correct(cols);
         }
     }

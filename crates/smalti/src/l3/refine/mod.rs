@@ -48,7 +48,7 @@ pub use statistics::{REFINEMENT_REVISION, RefinementStatistics};
 pub(super) use pictures::multiply_adds;
 
 /// Revision of the pictures that the second stage renders with given kernels. Scores in a cache depend on it as well as on [`REFINEMENT_REVISION`], kernels do not.
-pub const REFINEMENT_RENDERING_REVISION: u32 = 6;
+pub const REFINEMENT_RENDERING_REVISION: u32 = 7;
 /// Distance of the farthest pixel of the picture of the first stage on which an output depends.
 pub(super) const REACH: usize = stages::REACH + highlights::REACH;
 /// Distance, in rows and columns, of the farthest pixel of the refined picture on which the correction beside highlights depends.

@@ -68,7 +68,7 @@ const CLASS: usize = 2 + 3 + 2 * 3 * 5 + 5 + 2 + MAX_STRENGTHS + 7;
 const OF_ROOTS: usize = 3 * 3 + 2 * ROOTS;
 
 /// Those of the contrast around a refined pixel: down the columns and along the rows, four of light and four of darkness, and its share. A pixel that is
-/// corrected has 78 more, and 20 for the comparison with its sample in a tile of two rows.
+/// corrected has 78 more, and 19 for the comparison with its sample in a tile of two rows.
 const OF_CONTRAST: usize = 2 * (4 + 4) + 1;
 
 /// Multiplications per pixel of the smooth pictures, of the classes, of the kernels and of the contrast around highlights, as the portable loops are written, without those of rows that

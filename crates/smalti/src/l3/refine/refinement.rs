@@ -98,14 +98,14 @@ impl Refinement {
     /// from, if they are given ([`Pipeline::refinement_samples`](super::super::Pipeline::refinement_samples)). Results have the same bits for any number of threads and any instruction set.
     ///
     /// # Errors
-    /// When it does not have the three planes X, Y, Z, or another size than the raw image.
+    /// When the picture does not have the three planes X, Y, Z, or its size differs from that of the raw image. Samples of another pipeline are not
+    /// recognised.
     pub fn apply(&self, picture: &mut Planes, samples: Option<RefinementSamples<'_>>) -> Result<(), L3Error> {
         if picture.count() != OUTPUTS {
             return Err(L3Error::NotAPicture(picture.count()));
         }
-        let size = [picture.rows(), picture.cols()];
-        if let Some(got) = samples.map(|samples| samples.size()).filter(|got| *got != size) {
-            return Err(L3Error::PairSize { what: "the picture to refine", size: got, got: size });
+        if let Some(samples) = samples {
+            ensure_same_size(samples, [picture.rows(), picture.cols()])?;
         }
         each_strip(picture, ROWS_BEYOND, |strip| self.refine(strip));
         let dark = self.axes.dark_noise();
@@ -132,4 +132,10 @@ impl Refinement {
             }
         }
     }
+}
+
+/// Checks that a picture has the size of the raw image.
+pub(super) fn ensure_same_size(samples: RefinementSamples<'_>, got: [usize; 2]) -> Result<(), L3Error> {
+    let size = samples.size();
+    if size == got { Ok(()) } else { Err(L3Error::PairSize { what: "the picture to refine", size, got }) }
 }

@@ -1,13 +1,15 @@
 //! The raw image that a picture was rendered from, as the correction beside highlights reads it.
 
 use super::super::Axes;
-use super::fixed::FixedRefinement;
 use crate::isp::source::Source;
 use crate::sensor::{RawImage, RawSamples};
 
 /// Stands for the response of a sample that is clipped.
 pub(super) const CLIPPED: f32 = -1.0;
-/// Binary places of the factor from digital numbers to responses, beyond those of responses.
+/// Binary places of pictures and responses in integers.
+pub(super) const PLACES: u32 = 20;
+/// Binary places of the black level in integers, and of the factor to responses beyond their own.
+const BLACK_PLACES: u32 = 8;
 const FACTOR_PLACES: u32 = 16;
 
 /// The responses of the samples that a picture was rendered from: 0 at the black level and below, 1 at the white level.
@@ -17,13 +19,19 @@ pub struct RefinementSamples<'a> {
     source: Source<'a>,
     tile: [usize; 2],
     clip: f32,
+    scale: [i64; 2],
 }
 
 impl<'a> RefinementSamples<'a> {
     /// Of a raw image that has the mosaic of the axes.
     pub(in super::super) fn of(raw: &'a RawImage, axes: &Axes) -> Self {
-        let tile = [axes.mosaic().rows(), axes.mosaic().cols()];
-        Self { raw, source: Source::of(raw), tile, clip: axes.clip() as f32 }
+        Self {
+            raw,
+            source: Source::of(raw),
+            tile: [axes.mosaic().rows(), axes.mosaic().cols()],
+            clip: axes.clip() as f32,
+            scale: Self::scale(raw.black_level(), raw.white_level()),
+        }
     }
 
     /// Rows and columns of the raw image.
@@ -36,29 +44,37 @@ impl<'a> RefinementSamples<'a> {
         self.tile
     }
 
-    /// Writes the responses of a row to `out`, which has its length; [`CLIPPED`] where a sample is.
+    /// Whether the samples are digital numbers.
+    pub(super) fn is_digital(&self) -> bool {
+        matches!(self.raw.samples(), RawSamples::Digital(_))
+    }
+
+    /// Writes the responses of a row to `out`, which has its length; [`CLIPPED`] where a sample is clipped or not a number.
     #[inline(always)]
     pub(super) fn read_row(&self, row: usize, out: &mut [f32]) {
         self.source.read_row(row, out);
         for v in out {
             let light = if *v > 0.0 { *v } else { 0.0 };
-            *v = if light >= self.clip { CLIPPED } else { light };
+            *v = if *v < self.clip { light } else { CLIPPED };
         }
     }
 
-    /// The response of a sample in integers, with the binary places of pictures. `None` where it is clipped or in volts.
+    /// The response of a sample in integers, with [`PLACES`] binary places. `None` where it is clipped or in volts.
     pub(super) fn whole(&self, row: usize, col: usize) -> Option<i64> {
         let RawSamples::Digital(samples) = self.raw.samples() else { return None };
-        let sample = *samples.get(row * self.raw.cols() + col)?;
-        let above = (i64::from(sample) - self.raw.black_level().round() as i64).max(0);
-        let factor = Self::factor(self.raw.black_level(), self.raw.white_level());
-        (self.source.at(row, col) < self.clip).then_some((above * factor) >> FACTOR_PLACES)
+        let sample = i64::from(*samples.get(row * self.raw.cols() + col)?);
+        let [black, factor] = self.scale;
+        let response = || ((sample << BLACK_PLACES) - black).max(0).saturating_mul(factor);
+        (self.source.at(row, col) < self.clip).then(|| response() >> (BLACK_PLACES + FACTOR_PLACES))
     }
 
-    /// The factor from digital numbers above black to responses in integers, of which 16 binary places are dropped.
+    /// The black level b with 8 binary places, and the factor f of responses in integers: they are (256 · sample − b) · f / 2²⁴, rounded down, with 20 binary
+    /// places.
     #[must_use]
-    pub fn factor(black_level: f64, white_level: f64) -> i64 {
-        let one = f64::from(FixedRefinement::PLACES + FACTOR_PLACES).exp2();
-        (one / (white_level - black_level)).round() as i64
+    pub fn scale(black_level: f64, white_level: f64) -> [i64; 2] {
+        let one = |places: u32| f64::from(places).exp2();
+        // A conversion to an integer saturates.
+        let black = (black_level * one(BLACK_PLACES)).round() as i64;
+        [black, (one(PLACES + FACTOR_PLACES) / (white_level - black_level)).round() as i64]
     }
 }

@@ -262,7 +262,7 @@ fn integers_refine_as_single_precision_does() {
         let picture = noisy(&target, seed + 1);
         let (mut float, mut integers) = (picture.clone(), picture);
         refinement.apply(&mut float, None).unwrap();
-        fixed.apply_to(&mut integers, None);
+        fixed.apply_to(&mut integers, None).unwrap();
         let db = crate::l3::peak_ratio_db(&float, &integers).unwrap();
         let loss = 10.0 * (mean_square(&integers, &target) / mean_square(&float, &target)).log10();
         println!("light {light}: {db:.1} dB, a loss of {loss:.4} dB");
@@ -284,11 +284,11 @@ fn integers_saturate_and_do_not_overflow() {
         _ => random.next_u32() as i32 >> 9,
     };
     let mut picture: Vec<i32> = (0..3 * rows * cols).map(|_| extreme(&mut random)).collect();
-    fixed.apply(&mut picture, rows, cols, None);
+    fixed.apply(&mut picture, rows, cols, None).unwrap();
     assert!(picture.iter().all(|v| v.abs() <= FixedRefinement::MOST));
     for value in [0, 9_000, 1 << FixedRefinement::PLACES, i32::MAX] {
         let mut uniform = vec![value; 3 * rows * cols];
-        fixed.apply(&mut uniform, rows, cols, None);
+        fixed.apply(&mut uniform, rows, cols, None).unwrap();
         for plane in uniform.chunks(rows * cols) {
             assert!(plane.iter().all(|v| *v == plane[0]), "{value}");
         }

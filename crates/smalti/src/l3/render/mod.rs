@@ -105,7 +105,7 @@ impl FixedRenderer<'_> {
         let outside = self.engine.render(raw, &digital, phase, planes);
         if let Some(refinement) = &self.refinement {
             let samples = RefinementSamples::of(raw, self.engine.pipeline.axes());
-            refinement.apply_to(planes, Some(samples));
+            refinement.apply_to(planes, Some(samples))?;
         }
         Ok(outside)
     }

@@ -173,7 +173,8 @@ static inline void @p@_refined_pixel(const @p@_picture pictures[@P@_PICTURES], i
 }
 
 /* The Y that the sample of a pixel gives, from Y and responses of the samples around it that see the same cell of the tile:
-   at least half of `light` and at most twice as much. Without such samples, or where it is clipped, it is `light`. */
+   at least half of `light` and at most twice as much. It is `light` where the sample is clipped or the tile has more than
+   four rows and columns. */
 static inline int64_t @p@_given(const @p@_raw *raw, const @p@_picture *p, int32_t row, int32_t col, int64_t light)
 {
     const int32_t down = 4 / @P@_TILE_ROWS * @P@_TILE_ROWS, right = 4 / @P@_TILE_COLS * @P@_TILE_COLS;
@@ -188,7 +189,8 @@ static inline int64_t @p@_given(const @p@_raw *raw, const @p@_picture *p, int32_
             sample = @p@_sample(raw, r, c);
             if ((uint32_t)sample >= @P@_CLIP)
                 continue;
-            response = sample > @P@_BLACK ? ((sample - @P@_BLACK) * @P@_RESPONSE) >> 16 : 0;
+            response = (int64_t)sample * 256 - @P@_RESPONSE_BLACK;
+            response = response > 0 ? (response * @P@_RESPONSE) >> 24 : 0;
             if (r == row && c == col)
                 own = response;
             y = @p@_light(p, r, c);
@@ -196,7 +198,7 @@ static inline int64_t @p@_given(const @p@_raw *raw, const @p@_picture *p, int32_
             lights += (y << 14) / total;
             responses += (response << 14) / total;
         }
-    if (own < 0 || responses == 0)
+    if (own < 0 || responses == 0 || (@P@_TILE_ROWS > 4 && @P@_TILE_COLS > 4))
         return light;
     given = own * lights / responses;
     given = given < light / 2 ? light / 2 : given;
@@ -204,15 +206,15 @@ static inline int64_t @p@_given(const @p@_raw *raw, const @p@_picture *p, int32_
 }
 
 /* A pixel of the refined picture. Beside light that is many times as bright it has the mean colour of the light around it,
-   in which light near saturation counts less and X and Z are at most 3 and 16 times Y, at least half of the mean Y of its
-   neighbours and at least a quarter of the mean Y around it, and goes halfway to the Y that its own sample gives. */
+   in which light near saturation counts less and X and Z are at most 3 and 16 times Y. Its Y goes halfway to the one that its
+   own sample gives, and is at least half of the mean Y of its neighbours and a quarter of the mean Y around it. */
 static inline void @p@_corrected(const @p@_raw *raw, const @p@_picture *p, int32_t row, int32_t col, int32_t out[3])
 {
     /* By distance: right shifts of Y, and left shifts of Y and noise, in the contrast. */
     static const int8_t falls[5] = { 0, 0, 0, 1, 2 };
     /* Weights of the mean Y, by distance; those of a line sum to 256. */
     static const int8_t weights[5] = { 70, 56, 28, 8, 1 };
-    int64_t brightest = 0, darkest = INT64_MAX, sums[4] = { 0, 0, 0, 0 }, around = 0, nearby = 0, share, light, total, goal[3];
+    int64_t brightest = 0, darkest = INT64_MAX, sums[4] = { 0, 0, 0, 0 }, around = 0, nearby = 0, share, least, light, total, goal[3];
     int32_t r, c, plane;
     for (r = -4; r <= 4; r++)
         for (c = -4; c <= 4; c++) {
@@ -250,17 +252,18 @@ static inline void @p@_corrected(const @p@_raw *raw, const @p@_picture *p, int32
     nearby = @p@_rounded(nearby, 4) / 2;
     for (plane = 0; plane < 3; plane++)
         sums[plane] = @p@_rounded(sums[plane], 8);
-    light = around / (1 << 18);
-    light = nearby > light ? nearby : light;
-    light = out[1] > light ? out[1] : light;
+    least = around / (1 << 18);
+    least = nearby > least ? nearby : least;
+    light = out[1] > least ? out[1] : least;
     light = (light + @p@_given(raw, p, row, col, light)) / 2;
+    light = light > least ? light : least;
     total = (@P@_DARK * sums[3]) >> 8;
     total = sums[1] > total ? sums[1] : total;
     total = sums[0] / 3 > total ? sums[0] / 3 : total;
     total = sums[2] / 16 > total ? sums[2] / 16 : total;
     for (plane = 0; plane < 3; plane++)
         goal[plane] = @p@_saturated((sums[plane] > 0 ? sums[plane] : 0) * light / total);
-    goal[1] = light;
+    goal[1] = @p@_saturated(light);
     for (plane = 0; plane < 3; plane++)
         out[plane] = @p@_saturated(out[plane] + @p@_rounded(share * (goal[plane] - out[plane]), 10));
 }

@@ -139,7 +139,8 @@ static inline float @p@_weighted(const float v[9])
 }
 
 /* The Y that the sample of a pixel gives, from Y and responses of the samples around it that see the same cell of the tile:
-   at least half of `light` and at most twice as much. Without such samples, or where it is clipped, it is `light`. */
+   at least half of `light` and at most twice as much. It is `light` where the sample is clipped or the tile has more than
+   four rows and columns. */
 static inline float @p@_given(const @p@_raw *raw, const @p@_picture *p, int32_t row, int32_t col, float light)
 {
     const int32_t down = 4 / @P@_TILE_ROWS * @P@_TILE_ROWS, right = 4 / @P@_TILE_COLS * @P@_TILE_COLS;
@@ -152,7 +153,7 @@ static inline float @p@_given(const @p@_raw *raw, const @p@_picture *p, int32_t 
             if (r < 0 || r >= raw->rows || c < 0 || c >= raw->cols)
                 continue;
             response = @p@_value(raw, r, c);
-            if (response >= @P@_CLIP)
+            if (!(response < @P@_CLIP))
                 continue;
             response = response > 0.0f ? response : 0.0f;
             if (r == row && c == col)
@@ -165,21 +166,21 @@ static inline float @p@_given(const @p@_raw *raw, const @p@_picture *p, int32_t 
         lights += of_column[0];
         responses += of_column[1];
     }
-    if (!(own >= 0.0f && responses > 0.0f))
+    if (!(own >= 0.0f && responses > 0.0f) || (@P@_TILE_ROWS > 4 && @P@_TILE_COLS > 4))
         return light;
-    given = own * (lights / responses);
+    given = own * lights / responses;
     given = given > 2.0f * light ? 2.0f * light : given;
     return given < 0.5f * light ? 0.5f * light : given;
 }
 
 /* A pixel of the refined picture. Beside light that is many times as bright it has the mean colour of the light around it,
-   in which light near saturation counts less and X and Z are at most 3 and 16 times Y, at least half of the mean Y of its
-   neighbours and at least a quarter of the mean Y around it, and goes halfway to the Y that its own sample gives. */
+   in which light near saturation counts less and X and Z are at most 3 and 16 times Y. Its Y goes halfway to the one that its
+   own sample gives, and is at least half of the mean Y of its neighbours and a quarter of the mean Y around it. */
 static inline void @p@_corrected(const @p@_raw *raw, const @p@_picture *p, int32_t row, int32_t col, float out[3])
 {
     /* Weights of light in the contrast, by distance. The Y of dark pixels is divided by them. */
     static const float falls[5] = { 1.0f, 1.0f, 1.0f, 0.5f, 0.25f };
-    float brightest = 0.0f, darkest = 0.0f, sums[4] = { 0.0f }, lines[9], columns[9], around, nearby, light, share, factor;
+    float brightest = 0.0f, darkest = 0.0f, sums[4] = { 0.0f }, lines[9], columns[9], around, nearby, least, light, share, factor;
     int32_t r, c, plane;
     for (r = -4; r <= 4; r++)
         for (c = -4; c <= 4; c++) {
@@ -220,9 +221,10 @@ static inline void @p@_corrected(const @p@_raw *raw, const @p@_picture *p, int32
         columns[c + 1] = (@p@_light(p, row - 1, col + c) + @p@_light(p, row + 1, col + c)
                           + 2.0f * @p@_light(p, row, col + c)) * 0.25f;
     nearby = (columns[0] + columns[2] + 2.0f * columns[1]) * 0.25f;
-    light = 0.25f * around > 0.5f * nearby ? 0.25f * around : 0.5f * nearby;
-    light = out[1] > light ? out[1] : light;
+    least = 0.25f * around > 0.5f * nearby ? 0.25f * around : 0.5f * nearby;
+    light = out[1] > least ? out[1] : least;
     light = 0.5f * (light + @p@_given(raw, p, row, col, light));
+    light = light > least ? light : least;
     factor = sums[1] < @P@_DARK * sums[3] ? @P@_DARK * sums[3] : sums[1];
     factor = sums[0] * (1.0f / 3.0f) > factor ? sums[0] * (1.0f / 3.0f) : factor;
     factor = sums[2] * (1.0f / 16.0f) > factor ? sums[2] * (1.0f / 16.0f) : factor;
