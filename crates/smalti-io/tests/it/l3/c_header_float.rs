@@ -131,8 +131,8 @@ fn classes_met(axes: &RefinementAxes, first: &Pipeline, image: &smalti::sensor::
     planes.data().iter().map(|&class| class as u32 - count as u32).collect()
 }
 
-/// Axes of the second stage, and images of mosaics, sizes and phases: Bayer, RGBW of 4 × 4, a knight's move of 5 × 5, with odd and even sizes, more
-/// rows than are kept, as small as images may be, and the structures of tables of version 2.
+/// Axes of the second stage, and images of mosaics, sizes and phases: Bayer, also with levels that have a fraction, six channels of 3 × 2 with 16 bits, RGBW of
+/// 4 × 4, a knight's move of 5 × 5, with odd and even sizes, more rows than are kept, as small as images may be, and the structures of tables of version 2.
 fn cases() -> Vec<(Recipe, [usize; 2], [usize; 2], RefinementAxes)> {
     let levels = |count| Levels::logarithmic(count, 0.01, 0.8).unwrap();
     let axes = [
@@ -143,10 +143,14 @@ fn cases() -> Vec<(Recipe, [usize; 2], [usize; 2], RefinementAxes)> {
             .unwrap(),
     ];
     let rgbw = Recipe { side: 5, textures: Textures::Oriented, ..recipes()[4].clone() };
+    let fraction = Recipe { levels: [60.375, 1023.5], ..bayer() };
+    let six = Recipe { tile: (3, 2, (0..6).collect()), levels: [0.0, 65535.0], ..bayer() };
     let small = Recipe { side: 3, textures: Textures::None, ..bayer() };
     let images = [
         (bayer(), [75, 64]),
         (bayer(), [40, 53]),
+        (fraction, [44, 45]),
+        (six, [60, 61]),
         (rgbw, [91, 70]),
         (recipes()[2].clone(), [50, 51]),
         (small.clone(), [3, 4]),

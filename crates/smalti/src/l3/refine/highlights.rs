@@ -31,7 +31,7 @@ const WEIGHTS: [f32; 1 + REACH] = [70.0 / 256.0, 56.0 / 256.0, 28.0 / 256.0, 8.0
 /// Least Y of a corrected pixel, relative to the means of Y with binomial weights over 3 × 3 and over all pixels. Negative Y counts as 0 in them: it
 /// would cancel the light beside it.
 const LEAST: [f32; 2] = [0.5, 0.25];
-/// Bounds of the Y that a response gives, relative to the former Y.
+/// Bounds of the Y that a response gives, relative to the Y that it had.
 const OF_RESPONSE: [f32; 2] = [0.5, 2.0];
 
 /// Corrects a strip. `dark` is the standard deviation of the noise of a sample at Y = 0, which is added to the Y of dark pixels.
