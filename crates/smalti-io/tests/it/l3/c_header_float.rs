@@ -149,8 +149,8 @@ fn cases() -> Vec<(Recipe, [usize; 2], [usize; 2], RefinementAxes)> {
     let images = [
         (bayer(), [75, 64]),
         (bayer(), [40, 53]),
-        (fraction, [44, 45]),
-        (six, [60, 61]),
+        (fraction, [80, 71]),
+        (six, [91, 91]),
         (rgbw, [91, 70]),
         (recipes()[2].clone(), [50, 51]),
         (small.clone(), [3, 4]),
