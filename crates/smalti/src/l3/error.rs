@@ -147,6 +147,11 @@ pub(super) fn ensure_finite(what: &str, values: &[f32], cols: usize) -> Result<(
     })
 }
 
+/// Checks that an image has the rows and columns of the raw image; `what` is its name in the error.
+pub(super) fn ensure_same_size(what: &'static str, size: [usize; 2], got: [usize; 2]) -> Result<(), L3Error> {
+    if size == got { Ok(()) } else { Err(L3Error::PairSize { what, size, got }) }
+}
+
 /// Checks that a number lies within a range.
 pub(super) fn within(
     name: &'static str,

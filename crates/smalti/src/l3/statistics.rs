@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::error::ensure_finite;
+use super::error::{ensure_finite, ensure_same_size};
 use super::gather::Gatherer;
 use super::{Axes, ClassKey, L3Error, Moments, Pair, Tiles};
 use crate::sensor::{Cfa, Mosaic, RawImage, Sampling};
@@ -220,16 +220,13 @@ impl Statistics {
         let phase = phase_in(self.axes.mosaic(), names, raw)?;
         let (rows, cols) = (raw.rows(), raw.cols());
         check_size(&self.axes, rows, cols)?;
-        let same_size = |what, got| {
-            let size = [rows, cols];
-            if size == got { Ok(()) } else { Err(L3Error::PairSize { what, size, got }) }
-        };
-        same_size("the target", [pair.target.rows(), pair.target.cols()])?;
+        ensure_same_size("the target", [rows, cols], [pair.target.rows(), pair.target.cols()])?;
         // Images to render later have the levels of the classified image; the training image may be in volts.
         let as_seen = pair.seen.unwrap_or(raw);
         let levels = [as_seen.black_level(), as_seen.white_level()];
         if let Some(seen) = pair.seen {
-            same_size("the image that determines its classes", [seen.rows(), seen.cols()])?;
+            let got = [seen.rows(), seen.cols()];
+            ensure_same_size("the image that determines its classes", [rows, cols], got)?;
             if seen.sampling() != raw.sampling() {
                 return Err(L3Error::Mosaics);
             }

@@ -36,10 +36,7 @@ impl Header<'_> {
         let second = pipeline.refinement();
         if let Some(refinement) = second {
             self.fixed_refinement(refinement, &refinement.fixed().at(path)?, fixed.scale);
-            let [black, factor] = RefinementSamples::scale(pipeline.black_level(), pipeline.white_level());
-            self.line("/* Responses: (256 * sample - RESPONSE_BLACK) * RESPONSE / 2^24, with the binary places of pictures. */");
-            self.define("RESPONSE_BLACK", format!("INT64_C({black})"), "");
-            self.define("RESPONSE", format!("INT64_C({factor})"), "");
+            self.fixed_responses(pipeline);
         }
         self.code(RAW);
         self.code(&of_stage(FIXED, second.is_some()));
@@ -133,6 +130,14 @@ impl Header<'_> {
         self.table("int32_t", "offsets", &format!("[{upper}_CLASSES][{upper}_OUTPUTS]"), &offsets);
         self.line("/* Binary places of kernels and offsets. */");
         self.table("uint8_t", "shifts", &format!("[{upper}_CLASSES]"), &fixed.shifts);
+    }
+
+    /// From samples to the responses that the second stage compares Y with.
+    fn fixed_responses(&mut self, pipeline: &Pipeline) {
+        let [black, factor] = RefinementSamples::scale(pipeline.black_level(), pipeline.white_level());
+        self.line("/* Responses: (256 * sample - RESPONSE_BLACK) * RESPONSE / 2^24, with the binary places of pictures. */");
+        self.define("RESPONSE_BLACK", format!("INT64_C({black})"), "");
+        self.define("RESPONSE", format!("INT64_C({factor})"), "");
     }
 
     /// The numbers of the second stage; `scale` is that of sums of the first one without binary places.

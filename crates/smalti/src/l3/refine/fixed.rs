@@ -8,7 +8,7 @@ use super::highlights;
 use super::inputs::{COUNT, NEIGHBOURHOODS, OUTPUTS, ROOTS_OF};
 use super::pictures::RefinementPicture;
 use super::polynomial::Polynomial;
-use super::refinement::{Refinement, ensure_same_size};
+use super::refinement::Refinement;
 use super::roots::{fixed_rgb_from_xyz, fixed_roots};
 use super::samples::{self, RefinementSamples};
 use super::stages::{FINE, PICTURES, SCALES};
@@ -226,7 +226,7 @@ impl FixedRefinement {
             return Err(ShapeError { count: OUTPUTS, rows, cols, expected: OUTPUTS * plane, got }.into());
         }
         if let Some(samples) = samples {
-            ensure_same_size(samples, [rows, cols])?;
+            samples.ensure_size([rows, cols])?;
             if !samples.is_digital() {
                 return Err(L3Error::NotDigital);
             }
@@ -253,6 +253,7 @@ impl FixedRefinement {
         }
         let refined = Whole::of(rows, cols, |row, col| self.pixel(&pictures, row, col));
         drop(pictures);
+        let samples = samples.and_then(|samples| samples.repeated_within(highlights::REACH));
         let corrected = Whole::of(rows, cols, |row, col| self.corrected(&refined, samples, row, col));
         for (p, out) in picture.chunks_exact_mut(plane).enumerate() {
             out.iter_mut().zip(&corrected.data).for_each(|(out, pixel)| *out = pixel[p]);
@@ -358,7 +359,7 @@ impl FixedRefinement {
     }
 
     /// The Y that the response of a pixel's own sample gives, from Y and responses of the samples around it that see the same cell of the tile. `None` where
-    /// it is clipped, or there are no such samples.
+    /// it is clipped.
     fn given(&self, refined: &Whole, samples: RefinementSamples<'_>, row: isize, col: isize) -> Option<i64> {
         let response = |row: isize, col: isize| {
             let [row, col] = [usize::try_from(row).ok()?, usize::try_from(col).ok()?];
@@ -369,9 +370,6 @@ impl FixedRefinement {
             (-(reach / len)..=reach / len).map(move |i| at + i * len)
         };
         let [tile_rows, tile_cols] = samples.tile();
-        if tile_rows.min(tile_cols) > highlights::REACH {
-            return None;
-        }
         let (mut lights, mut responses) = (0, 0);
         for row in of_tile(row, tile_rows) {
             for col in of_tile(col, tile_cols) {

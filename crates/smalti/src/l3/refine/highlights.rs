@@ -37,8 +37,7 @@ const OF_RESPONSE: [f32; 2] = [0.5, 2.0];
 /// Corrects a strip. `dark` is the standard deviation of the noise of a sample at Y = 0, which is added to the Y of dark pixels.
 pub(super) fn correct(mut strip: Strip<'_>, dark: f32, samples: Option<RefinementSamples<'_>>) {
     let [rows, cols] = strip.size;
-    // A larger tile has no cell twice within reach.
-    let samples = samples.filter(|samples| samples.tile().into_iter().any(|side| side <= REACH));
+    let samples = samples.and_then(|samples| samples.repeated_within(REACH));
     let mut picture = Padded::keeping(SIDE, rows, cols);
     let mut ready = strip.rows.start.saturating_sub(REACH);
     let mut scratch = Scratch::default();

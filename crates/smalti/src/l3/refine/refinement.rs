@@ -105,7 +105,7 @@ impl Refinement {
             return Err(L3Error::NotAPicture(picture.count()));
         }
         if let Some(samples) = samples {
-            ensure_same_size(samples, [picture.rows(), picture.cols()])?;
+            samples.ensure_size([picture.rows(), picture.cols()])?;
         }
         each_strip(picture, ROWS_BEYOND, |strip| self.refine(strip));
         let dark = self.axes.dark_noise();
@@ -132,10 +132,4 @@ impl Refinement {
             }
         }
     }
-}
-
-/// Checks that a picture has the size of the raw image.
-pub(super) fn ensure_same_size(samples: RefinementSamples<'_>, got: [usize; 2]) -> Result<(), L3Error> {
-    let size = samples.size();
-    if size == got { Ok(()) } else { Err(L3Error::PairSize { what: "the picture to refine", size, got }) }
 }

@@ -1,6 +1,7 @@
 //! The raw image that a picture was rendered from, as the correction beside highlights reads it.
 
-use super::super::Axes;
+use super::super::error::ensure_same_size;
+use super::super::{Axes, L3Error};
 use crate::isp::source::Source;
 use crate::sensor::{RawImage, RawSamples};
 
@@ -37,6 +38,16 @@ impl<'a> RefinementSamples<'a> {
     /// Rows and columns of the raw image.
     pub(super) fn size(&self) -> [usize; 2] {
         [self.raw.rows(), self.raw.cols()]
+    }
+
+    /// Checks that a picture has as many rows and columns.
+    pub(super) fn ensure_size(&self, got: [usize; 2]) -> Result<(), L3Error> {
+        ensure_same_size("the picture to refine", self.size(), got)
+    }
+
+    /// The samples, if the tile has its cells again within `reach` rows or columns of them: otherwise a sample has no others to be compared with.
+    pub(super) fn repeated_within(self, reach: usize) -> Option<Self> {
+        self.tile.into_iter().any(|side| side <= reach).then_some(self)
     }
 
     /// Rows and columns of the mosaic's tile.

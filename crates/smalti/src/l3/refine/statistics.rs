@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 
-use super::super::error::ensure_finite;
+use super::super::error::{ensure_finite, ensure_same_size};
 use super::super::solve::{Solution, regularised};
 use super::super::{L3Error, Moments, blocks};
 use super::axes::RefinementAxes;
@@ -80,10 +80,7 @@ impl RefinementStatistics {
                 ensure_finite("a picture to refine", plane, planes.cols())?;
             }
         }
-        let got = [target.rows(), target.cols()];
-        if size != got {
-            return Err(L3Error::PairSize { what: "the target", size, got });
-        }
+        ensure_same_size("the target", size, [target.rows(), target.cols()])?;
         let stages = Stages::of(picture, self.axes.noise());
         let (mut scratch, mut classes) = (Scratch::default(), Vec::new());
         for first in (0..size[0]).step_by(BAND_ROWS) {

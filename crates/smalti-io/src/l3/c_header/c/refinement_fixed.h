@@ -180,6 +180,8 @@ static inline int64_t @p@_given(const @p@_raw *raw, const @p@_picture *p, int32_
     const int32_t down = 4 / @P@_TILE_ROWS * @P@_TILE_ROWS, right = 4 / @P@_TILE_COLS * @P@_TILE_COLS;
     int64_t own = -1, lights = 0, responses = 0, given;
     int32_t r, c;
+    if (@P@_TILE_ROWS > 4 && @P@_TILE_COLS > 4)
+        return light;
     for (r = row - down; r <= row + down; r += @P@_TILE_ROWS)
         for (c = col - right; c <= col + right; c += @P@_TILE_COLS) {
             int64_t response, y, total;
@@ -198,7 +200,7 @@ static inline int64_t @p@_given(const @p@_raw *raw, const @p@_picture *p, int32_
             lights += (y << 14) / total;
             responses += (response << 14) / total;
         }
-    if (own < 0 || responses == 0 || (@P@_TILE_ROWS > 4 && @P@_TILE_COLS > 4))
+    if (own < 0 || responses == 0)
         return light;
     given = own * lights / responses;
     given = given < light / 2 ? light / 2 : given;

@@ -146,6 +146,8 @@ static inline float @p@_given(const @p@_raw *raw, const @p@_picture *p, int32_t 
     const int32_t down = 4 / @P@_TILE_ROWS * @P@_TILE_ROWS, right = 4 / @P@_TILE_COLS * @P@_TILE_COLS;
     float own = -1.0f, lights = 0.0f, responses = 0.0f, given;
     int32_t r, c;
+    if (@P@_TILE_ROWS > 4 && @P@_TILE_COLS > 4)
+        return light;
     for (c = col - right; c <= col + right; c += @P@_TILE_COLS) {
         float of_column[2] = { 0.0f, 0.0f };
         for (r = row - down; r <= row + down; r += @P@_TILE_ROWS) {
@@ -166,7 +168,7 @@ static inline float @p@_given(const @p@_raw *raw, const @p@_picture *p, int32_t 
         lights += of_column[0];
         responses += of_column[1];
     }
-    if (!(own >= 0.0f && responses > 0.0f) || (@P@_TILE_ROWS > 4 && @P@_TILE_COLS > 4))
+    if (!(own >= 0.0f && responses > 0.0f))
         return light;
     given = own * lights / responses;
     given = given > 2.0f * light ? 2.0f * light : given;
